@@ -19,7 +19,7 @@ constexpr double kUsualHysteresis_v = 0.2;
 /// Minimum hysteresis. With less, event location could open and close the protection without end.
 constexpr double kLeastHysteresis_v = 1e-3;
 
-/// Number of samples of a curve for a check of its sign and slope.
+/// Number of samples with which the sign and the slope of a curve are checked.
 constexpr int kSamples = 1000;
 
 /// Reads a curve. Reports a mistake if a value at a state of charge from `from_s` to 1 is not > 0.

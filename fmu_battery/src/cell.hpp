@@ -24,7 +24,7 @@ struct Circuit {
 struct Cell {
   std::string name;
   double mass_kg = 0;
-  double capacity_c = 0;         // charge from s = 1 to s = 0
+  double capacity_c = 0;         // charge that the cell delivers from s = 1 to s = 0
   double cut_off_voltage_v = 0;  // the protection opens if the terminal voltage stays below this voltage
   double cut_off_delay_s = 0;    // time below the cut-off voltage after which the protection opens
   double release_voltage_v = 0;  // an open protection closes when a charger raises the terminal voltage to this voltage

@@ -15,7 +15,7 @@
 namespace mebots::battery {
 namespace {
 
-/// Returns a reader of an object {"unit", "value": [...]}, which returns the list of numbers.
+/// Returns a function that reads an object {"unit", "value": [...]} and returns its list of numbers.
 auto table(std::string_view unit, std::vector<double> (*read)(const data::Node&, const data::Limits&),
            const data::Limits& limits) {
   return [=](const data::Node& node) {

@@ -141,7 +141,7 @@ class Integrator::Solver {
   long evaluations() const { return evaluations_; }
 
  private:
-  /// Returns true if the charging current exceeds the self-discharge, which is necessary to charge an empty cell.
+  /// Returns true if the charging current exceeds the self-discharge. Otherwise, an empty cell stays empty.
   bool charges_faster_than_leak(const CellState& state) const {
     if (!charging_) return false;
     const Circuit circuit = cell_.circuit_at(state.soc);
@@ -315,7 +315,7 @@ class Integrator::Solver {
   long evaluations_ = 0;
   std::string message_;
 
-  // Arguments of the present call of advance().
+  // Arguments of the present call of advance(), and conditions that are constant during this call.
   Demand demand_;
   Protection protection_ = Protection::closed;
   bool conducts_ = true;

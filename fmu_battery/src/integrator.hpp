@@ -75,9 +75,9 @@ enum class Protection {
   open,  // blocks discharge, but not charge: the body diode of the discharge transistor conducts
 };
 
-/// Integrates the cell's differential equations and energies with SUNDIALS (ERKStep of ARKODE, order 4). The integrator
-/// keeps no state between calls, so that a restored run has the same bits. It is not thread-safe: use one integrator
-/// per instance.
+/// Integrates the cell's differential equations and energies with SUNDIALS (ERKStep of ARKODE, order 4). The steps
+/// are adaptive, and root finding locates the events. The integrator keeps no state between calls, so that a restored
+/// run has the same bits. It is not thread-safe: use one integrator per instance.
 ///
 ///   ds/dt  = -(i + i_sd) / Q
 ///   dvk/dt = (i - vk / Rk(s)) / Ck(s),   k = 1, 2

@@ -17,7 +17,8 @@ namespace {
 /// Maximum magnitude of an input, so that products of a few inputs are finite. fmu_world has the same limit.
 constexpr double kMost = 1e40;
 constexpr double kLeastDensity = 1 / kMost;
-/// If the previous step's current is less than this share of the present current, the present current is a surge.
+/// If the current of the step before the last step is less than this share of the last step's current, the last step's
+/// current is a surge.
 constexpr double kEarlierShare = 0.1;
 /// Minimum sag of the voltage for a warning. Other loads may have caused a smaller sag.
 constexpr double kLeastSag_v = 0.02;

@@ -14,7 +14,7 @@ namespace {
 
 using data::Limits;
 
-/// Returns a reader of an object {"unit", "value": [...]}, which returns the list. The numbers must rise from 0.
+/// Returns a function that reads an object {"unit", "value": [...]} and returns its list. The numbers must rise from 0.
 auto table_from_rest(std::string_view unit) {
   return [unit](const data::Node& node) {
     data::Object object(node);
@@ -85,8 +85,8 @@ void read_motor_form(data::Object& object, RotorData& rotor) {
   }
 }
 
-/// Sets the thrust coefficient without changing torque and power at a speed. Their coefficients are per thrust, and
-/// change inversely.
+/// Sets the thrust coefficient without changing torque and power at a speed. The coefficients of torque and power are
+/// per thrust, and change inversely.
 void place_thrust(RotorData& rotor, double thrust_coefficient) {
   const double ratio = thrust_coefficient / rotor.thrust_coefficient;
   rotor.thrust_coefficient = thrust_coefficient;

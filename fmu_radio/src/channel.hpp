@@ -67,7 +67,7 @@ class Channel {
 
     void visit(state::Visitor& v);
   };
-  /// A packet between the end of its last bit and its arrival at the outputs of its receivers.
+  /// A packet between the end of its last bit and its arrival in the queues of its receivers.
   struct Transfer {
     Packet packet;
     std::vector<Reception> receptions;

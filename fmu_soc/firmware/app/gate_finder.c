@@ -52,7 +52,7 @@ typedef struct {
 
 // Match of a template with a frame, in sixteenths of a grey level. All values are 0 if there is no frame.
 typedef struct {
-  int weakest_q4;  // least contrast of a beam; excludes the least contrast with the surroundings
+  int weakest_q4;  // least contrast of the beams; ignores their least contrast with the surroundings
   int sum_q4;      // sum of all positive contrasts
   int spread_q4;   // brightness of the brightest beam minus that of the darkest beam
 } fit_t;
@@ -197,8 +197,9 @@ static bool lies_inside(const frame_t* frame, const sizes_t* sizes) {
          frame->y + frame->height + sizes->border_y <= work.height;
 }
 
-// Computes the sum of each column of the work picture between two rows of the integral image. The loop computes four
-// columns at a time, so that up to three sums beyond the last column are stored, but not used.
+// Computes, for each column of the work picture and for its right edge, the sum of all columns to the left between two
+// rows of the integral image. The loop computes four sums at a time, so that up to three more sums are stored, but not
+// used.
 static void sum_columns(int32_t* columns, const uint32_t* top, const uint32_t* bottom) {
   for (const int32_t* end = columns + work.width; columns <= end; columns += 4, top += 4, bottom += 4) {
     columns[0] = (int32_t)(bottom[0] - top[0]);

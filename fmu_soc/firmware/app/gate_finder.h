@@ -13,9 +13,9 @@ extern "C" {
 typedef struct {
   int32_t center_x_q4;  // distance from the left edge of the picture
   int32_t center_y_q4;  // distance from the upper edge of the picture
-  int32_t width_q4;
-  int32_t height_q4;
-  uint8_t contrast;  // contrast of the weakest side, minus half the difference between the sides [grey levels]
+  int32_t width_q4;     // outer width
+  int32_t height_q4;    // outer height
+  uint8_t contrast;     // contrast of the weakest side, minus half the difference between the sides [grey levels]
 } gate_view_t;
 
 // Searches for a frame in a picture of `width` x `height` pixels, row by row from the top left. Width and height must

@@ -27,7 +27,7 @@ void pilot_init(pilot_t* pilot, const policy_t* policy, int32_t yaw_rate_scale_u
   pilot->sightings = 0;
   pilot->misses = 0;
   pilot->outliers = 0;
-  pilot->last_yaw = 1;  // the first search turns to the left
+  pilot->last_yaw = 1;  // before the first picture with a gate, a search turns to the left
 }
 
 // Returns the distance flown since the last picture [um], from the mean of the two velocities.

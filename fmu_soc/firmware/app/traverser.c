@@ -16,7 +16,7 @@
 // If the drone flies slower than a quarter of its command for this time, an object has stopped it. The object was not a
 // gate.
 #define STALLED_US 2000000
-// Time for the flight back from an object.
+// If the flight back from an object stalls for this time, the drone searches again where it is.
 #define STUCK_US 6000000
 // Sizes in 127ths of SIGHT_MOST_SIZE. At size 1.2, the frame has left the picture. If a gate of at least size 0.65 is
 // no longer visible, it can only have left the picture.
@@ -25,7 +25,7 @@
 // The distance to a real gate decreases by the flown distance. The computed distance assumes a frame of 0.6 m and the
 // longest lens: this distance decreases faster for a shorter lens or a smaller frame, and slower for a larger frame. If
 // the computed distance decreases by less than four fifths of the flown distance, the object is not a gate, or the
-// frame is too large (the limit is 0.75 m with the longest lens, and 1.6 m with a lens of 87 degrees).
+// frame is too large: more than 0.75 m with the longest lens, or more than 1.6 m with a lens of 87 degrees.
 #define LEAST_NEARER_PERCENT 80
 // Focal length divided by half the picture's width, in thousandths, for the longest lens with which the network was
 // trained (0.82 rad). Of all lenses, the longest gives the greatest distance for a size in the picture.

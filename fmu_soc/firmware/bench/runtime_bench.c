@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Measures the runtime's services on a board [ps]: switching the cluster on and off, a fork, a barrier, and a copy of
-// the DMA, each with its wait. Prints one line for one core and one line for all cores.
+// Measures the runtime's services on a board [ps]: switching the cluster on and off, a fork with its wait, a barrier,
+// and a copy of the DMA with its wait. Prints one line for one core and one line for all cores.
 #include <stdbool.h>
 
 #include "drivers/timer.h"

@@ -4,7 +4,7 @@
 #include "kernels/block.h"
 #include "kernels/work.h"
 
-// Copies `count` ranges of bytes to contiguous bytes. The last copied word may exceed a range; the next range
+// Copies `count` ranges of bytes to contiguous bytes. The last copied words may exceed a range; the next range
 // overwrites the extra bytes.
 static inline __attribute__((always_inline)) void copy_ranges(uint8_t* to, const uint8_t* from, int32_t count,
                                                               int32_t bytes, int32_t step) {
@@ -192,7 +192,7 @@ static inline __attribute__((always_inline)) void convolve(const layer_step_t* s
   uint8_t* to = (layer->then != 0 ? step->unpooled : step->out) + place * channels;
   const int32_t y = place / columns;
   const int32_t to_lower = layer->stride_rows * step->in_pitch;
-  // Columns outside the input that are not in L1 are before the rows of the tile.
+  // The first patch starts with columns that are outside the input and not in L1. Their addresses are before the tile.
   const uint8_t* in = step->in - layer->outside_left * step->in_channels;
   places_t at = {place - y * columns, columns, in + y * (is_pooled ? 2 : 1) * to_lower,
                  layer->stride_columns * step->in_channels, to_lower};

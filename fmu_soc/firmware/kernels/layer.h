@@ -18,7 +18,7 @@ extern "C" {
 
 enum {
   SCALING_NARROW,  // all values fit in 32 bits
-  SCALING_WIDE,    // 64 bits; stored are the addend >> 32, whose lower word is 0, and shift - 32
+  SCALING_WIDE,    // 64 bits; the addend's lower word is 0; stored are addend >> 32 and shift - 32
   SCALING_EXACT,   // as SCALING_WIDE, but the lower word of the addend follows the group
   SCALING_NONE     // the output consists of the sums, four bytes each
 };
@@ -78,7 +78,7 @@ typedef struct {
   uint8_t outside;  // value of positions outside the input
   uint8_t scaling;
   uint8_t element;     // bytes of an output value: 1, or 4 for sums
-  uint8_t by_tile;     // order of steps: 1 = all blocks of a tile, 0 = all tiles of a block
+  uint8_t by_tile;     // order of steps: 1 = all blocks of a tile first, 0 = all tiles of a block first
   uint8_t sliced;      // 1: a block needs only the input of its own channels
   uint8_t pool;        // maximum of pool x pool positions of a convolution's output
   uint8_t outer_rows;  // 1: the input in L1 has rows outside the input; 0: the kernel provides them
@@ -113,7 +113,8 @@ typedef struct {
   int32_t zeros[2];
   int32_t addend;
   int32_t shift;
-  // LAYER_MOVE: the data of each block are a layer_move_t. Softmax and tables: the data are the table.
+  // Mean pool: zeros[0] is 1 if the mean excludes positions outside the input. LAYER_MOVE: the data of each block are a
+  // layer_move_t. Softmax and tables: the data are the table.
 } layer_t;
 
 // Four output channels of a convolution. After this struct follow the lower words of the addends (SCALING_EXACT only),
@@ -129,7 +130,8 @@ typedef struct {
   int32_t addend[4];
 } layer_group_t;
 
-// Entry of the table of a mean pool. Entry n - 1 belongs to windows with n positions inside the input.
+// Entry of the table of a mean pool. If the mean excludes positions outside the input, entry n - 1 belongs to windows
+// with n positions inside the input. Otherwise, the table has one entry.
 typedef struct {
   int32_t multiplier;
   int32_t addend;

@@ -157,8 +157,8 @@ void check_overlaps(const Node& root, const BoardDescription& board) {
   }
 }
 
-/// Reports interrupt lines that two devices share, because firmware could not determine the device. Also
-/// reports an interrupt controller that is not a device of the board.
+/// Reports interrupt lines that two devices share, because firmware could not determine the device that raised the
+/// interrupt. Also reports an interrupt controller that is not a device of the board.
 void check_interrupts(const Node& root, const BoardDescription& board) {
   std::map<std::pair<std::string, int>, std::string> taken;
   std::vector<std::string> names;
@@ -180,8 +180,8 @@ void check_interrupts(const Node& root, const BoardDescription& board) {
   }
 }
 
-/// Checks that parts are attached to devices, and that a regulator's loads are listed before the regulator. Names of
-/// connection points are checked by the devices.
+/// Checks that parts are attached to devices. Also checks that a regulator's loads are listed before the regulator, so
+/// that no regulator supplies itself. Names of connection points are checked by the devices.
 void check_parts(const Node& root, const BoardDescription& board) {
   const auto entries = root.at("devices").elements();
   std::vector<std::string> on_bus;
@@ -273,7 +273,7 @@ std::string read_decisions(const Node& node, const BoardDescription& board) {
   return sender;
 }
 
-/// Reads a file name without folders, because a board and its libraries must be in one folder.
+/// Reads a file name without folders, so that a board can be moved together with its libraries.
 std::string read_file_name(const Node& node) {
   auto name = node.readable_text();
   if (name.find('/') != std::string::npos || name == "." || name == "..") {

@@ -161,7 +161,7 @@ Node nearest(const Node& node, std::initializer_list<std::string_view> keys) {
   return found;
 }
 
-/// The node is for error messages.
+/// Returns the node of a register in the board file, for error messages.
 Node entry_of(const Node& device, const BoardRegister& reg) {
   const auto entries = device.at("registers").elements();
   const auto found =

@@ -273,7 +273,7 @@ bool GdbServer::write_register(unsigned number, std::uint32_t value) {
     if (hart.reg(number) == before) return true;
   } else if (number == kPcNumber) {
     if (value == hart.pc()) return true;
-    if (threads_.chosen() != 0) return false;  // a cluster core cannot move, because it is in the middle of a block
+    if (threads_.chosen() != 0) return false;  // the pc of a cluster core cannot change in the middle of a block
     hart.set_pc(value);
   } else if (number < kFirstCsrNumber || !hart.set_csr(number - kFirstCsrNumber, value)) {
     return false;

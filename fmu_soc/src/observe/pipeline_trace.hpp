@@ -15,7 +15,8 @@ namespace mebots::soc::observe {
 /// that a sleep takes no time.
 ///
 /// The stages are derived from the causes of the cycles, not from a model of the pipeline. F contains waits for cache
-/// lines, entries of traps, and cycles of the previous jump. D contains stalls, and X contains all other cycles.
+/// lines, entries of traps, and cycles of the previous jump. D contains stalls, and X contains all other cycles. While
+/// an instruction is in X, the next instruction is in D, unless it was fetched too late.
 class PipelineTrace final : public Observer {
  public:
   PipelineTrace(const std::string& option, const std::string& path);

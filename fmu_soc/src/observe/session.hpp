@@ -110,7 +110,7 @@ class Session {
   Session& operator=(const Session&) = delete;
   ~Session();
 
-  /// Adds an observer of the fabric controller. Before the destruction of an observer, the caller must remove it.
+  /// Adds an observer of the fabric controller. The caller must remove the observer before it is destroyed.
   void add(Observer& observer);
   void remove(Observer& observer);
   /// Adds a listener, which must outlive the session.

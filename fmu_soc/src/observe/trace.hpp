@@ -13,8 +13,8 @@ namespace mebots::soc::observe {
 /// Writes a line for every instruction that a hart retires, in the format of Spike's `--log-commits`: `core 0: 3
 /// 0x80000008 (0x00c5a603) x12 0x00000007 mem 0x80001100`. The columns are privilege mode, pc, instruction word,
 /// written register, written CSR, address of a load, address and value of a store. For a post-increment of Xpulp, the
-/// address register is listed as a second register. Lines of one hart are in the order of time; lines of different
-/// harts may be out of order.
+/// address register is listed as a second register. The number of a core is that of the chip's hart. Lines of one hart
+/// are in the order of time; lines of different harts may be out of order.
 class Trace {
  public:
   struct Columns {

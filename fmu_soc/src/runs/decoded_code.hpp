@@ -39,7 +39,8 @@ struct DecodedCode {
   /// if steps between functions are recorded.
   bool performs_rare() const { return !loose_limit && flow == nullptr; }
   bool is_translated() const { return translator != nullptr; }
-  /// Returns the number of translated instructions. A repeated translation of an instruction is counted again.
+  /// Returns the number of instructions translated since the last drop_translations(). A repeated translation of an
+  /// instruction is counted again.
   std::uint64_t instructions_translated() const { return is_translated() ? translator->translated() : 0; }
 
   void drop_translations() {

@@ -31,7 +31,7 @@ Hart::Hart(Memory& memory, Bus& bus, DecodedCode& decoded, const HartSettings& s
 }
 
 void Hart::connect(std::span<const MemoryPort> ports) {
-  // Translated code contains constants of the fast memories.
+  // Translated code contains properties of the fast memories as constants. connect() returns true if one has changed.
   if (data_path_.connect(ports)) decoded_.drop_translations();
   blocks_.set_longest_wait(data_path_.longest_wait());
 }
@@ -119,7 +119,7 @@ Stop Hart::continue_run(std::uint64_t limit, bool left_translated) {
   }
 }
 
-/// Wakes a sleeping hart if an enabled interrupt is pending. Returns false if the hart stays asleep.
+/// Wakes a sleeping hart if an interrupt ends its sleep. Returns false if the hart stays asleep.
 bool Hart::stays_awake() {
   if (sleeping_) {
     if (!wakes()) return false;

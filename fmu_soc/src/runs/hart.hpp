@@ -29,7 +29,7 @@ enum class Stop : std::uint8_t {
   device,    // a device register was accessed; the device's next event may have changed
   turn,      // an access outside the RAM must wait for other cores; run the hart again after them
   sleeping,  // WFI or an event load, and no enabled interrupt is pending
-  watch,     // a watched word was stored, and the bus ended the run
+  watch,     // the hart stored to a watched word, and the bus ended the run
   fault,     // the core cannot continue
   observer,  // the observer wants the run to end before the next instruction
 };
@@ -104,7 +104,7 @@ class Hart {
   const Counters& counters() const { return execution_.counters; }
 
   std::uint32_t pc() const { return execution_.pc; }
-  /// Sets the pc. Only debuggers may call this function, between two instructions.
+  /// Sets the pc between two instructions. For debuggers.
   void set_pc(std::uint32_t pc);
   /// Reads or writes a CSR like an instruction, but adds no cycles. Returns false if the CSR or this access does not
   /// exist.

@@ -133,7 +133,7 @@ bool HostConsole::fill(int timeout_ms) {
   return end_ != 0;
 }
 
-/// Returns how far the chip's time is ahead of the wall clock, in whole milliseconds.
+/// Returns how far the chip's time is ahead of the wall clock, in whole milliseconds from 0 to 100.
 int HostConsole::milliseconds_ahead(Picoseconds now) {
   const std::chrono::nanoseconds chip(now / kPsPerNs);
   if (!start_) start_ = Clock::now() - chip;

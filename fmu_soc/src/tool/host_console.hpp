@@ -40,7 +40,8 @@ class HostConsole final : public Console {
   /// Ends an unfinished line on standard output. Must be called before other text is printed.
   void end_line();
   /// Removes and returns the next input byte. See ConsolePort::read_console(). A file on standard input returns its
-  /// next byte at once. For other input, if `waits` is true, waits for a byte until the wall clock reaches `now`.
+  /// next byte at once. For other input, if `waits` is true, waits for a byte until the wall clock reaches `now`, but
+  /// at most 100 ms.
   int read_byte(Picoseconds now, bool waits);
   /// Waits for input and reads it into `into`. Returns the number of bytes, or 0 at the end of the input.
   long read(std::span<char> into) override;

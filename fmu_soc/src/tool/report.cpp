@@ -151,7 +151,8 @@ Row energy_row(const ChipReport::Part& part, const ChipReport& report, bool has_
   return {part.name, quantity_text(part.energy_j, "J"), mean, share, part.text};
 }
 
-/// Prints the energy of each part, in descending order, then the sum, then the energy of the board's devices.
+/// Prints the energies of the parts in descending order, their sum, and the energies of the board's devices. Parts and
+/// devices without energy are only listed by name.
 void print_energy(const ChipReport& report) {
   std::vector<Row> rows = {{"part", "energy", "mean power", "share", ""}};
   auto parts = report.parts;

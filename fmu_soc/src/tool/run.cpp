@@ -287,9 +287,9 @@ HostConsole::Kind console_kind(const Options& options) {
   return options.user ? HostConsole::Kind::lines : HostConsole::Kind::output;
 }
 
-/// Returns true if gdb can return to earlier instructions. Excludes programs that may change files of
-/// the host, because these changes cannot be undone. Excludes other observers, whose files would contain repeated
-/// instructions.
+/// Returns true if gdb can return to earlier instructions. Returns false if the program may change files of the host,
+/// because these changes cannot be undone. Also returns false if there are other observers, whose files would contain
+/// repeated instructions.
 bool is_reversible(const Options& options, const observe::Requests& requests) {
   return requests.gdb_port && !options.user && !options.host_files && !options.page && !requests.writes();
 }

@@ -42,8 +42,8 @@ std::vector<std::filesystem::path> own_folders(std::string_view name);
 std::filesystem::path board_file(const std::string& asked);
 
 /// Reads the .png and .pgm files of a folder in the order of their names, and returns their grey pixels row by row.
-/// Colours are converted to grey with libpng's weights. Throws Error if a file cannot be read, is not `width` pixels
-/// wide, or has fewer than `least_height` rows. Also throws if the folder contains no pictures.
+/// Colours are converted to grey with libpng's weights. Throws Error that names the file if a file cannot be read, is
+/// not `width` pixels wide, or has fewer than `least_height` rows. Also throws if the folder contains no pictures.
 std::vector<std::vector<std::uint8_t>> read_pictures(const std::filesystem::path& folder, std::uint32_t width,
                                                      std::uint32_t least_height);
 
@@ -98,8 +98,8 @@ struct Options {
 /// Adds the options and their help texts to the command. Parsing the command line sets `options`.
 void add_options(CLI::App& command, Options& options);
 
-/// Throws Error if a name is empty, a file has two purposes, an output is also an input, or the folder of a file does
-/// not exist.
+/// Throws Error if options are invalid or exclude each other. Also throws if a file name is empty, a file has two
+/// purposes, an output is also an input, or the folder of a file does not exist.
 void check(const Options& options);
 
 /// Returns advice about the fault that has ended a run, or an empty text. The advice names an option that serves the

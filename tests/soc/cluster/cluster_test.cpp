@@ -508,7 +508,7 @@ TEST_P(ClusterRuntimeOn, ContinuesWithTheSameBitsFromAStateDuringAJob) {
   EXPECT_TRUE(mebots::test::same_state(other.soc, straight.soc));
 }
 
-/// A program for eight cores that use one bank. The boundaries of its translated blocks differ between runs: a block
+/// A program for eight cores that use one bank. The boundaries of its blocks differ between runs: a block
 /// may begin in the middle of straight code, at the target of a jump, or after the return from a trap, and may contain
 /// the end of a former hardware loop.
 constexpr std::string_view kMixed = R"(

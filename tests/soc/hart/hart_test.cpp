@@ -372,8 +372,8 @@ TEST(Code, LargerThanTheBlockCacheRuns) {
   EXPECT_EQ(machine.reg(10), 160000U);
 }
 
-/// Returns a program of 25,501 instructions. It calls 1500 functions `turns` times. Each function contains a branch, an
-/// if with else, and a loop.
+/// Returns a program of about 22,500 instructions. It calls 1500 functions `turns` times. Each function contains a
+/// branch, an if with else, and a loop.
 std::string branchy_program(int turns) {
   return fmt::format(R"(
 _start: .option norvc

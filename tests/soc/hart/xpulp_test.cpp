@@ -217,7 +217,8 @@ room: .word 0, 0, 0, 0
   EXPECT_EQ(machine.reg(18), 0x818283f4U);
 }
 
-/// An observed instruction is decoded alone, and depends on the pipeline's state. Other instructions are in a block.
+/// An observed instruction is decoded alone, and its cycles depend on the pipeline's state. Other instructions are in a
+/// block.
 TEST(Xpulp, JumpAfterAMisalignedLoadTakesTheSameTimeWithAnObserver) {
   // t4 points to the jump's target; p.lw a3, 0(t4!) writes it, too.
   constexpr std::string_view kLoads[] = {".insn i 0x0b, 2, a3, t4, 0", "lw a3, 0(t4)", "lw ra, 0(t4)"};

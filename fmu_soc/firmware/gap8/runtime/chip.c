@@ -37,7 +37,7 @@ static void voltage_start(void) {
   SOC_CONTROL_SAFE_PMU_RAR = others | (MISSION_SUPPLY_VOLTAGE - VOLTAGE_LOWEST_MV) / VOLTAGE_STEP_MV;
 }
 #else
-// Keeps the chip's voltage after reset, on a board without a mission device.
+// Keeps the voltage that the chip has after reset, because the board has no mission device.
 static void voltage_start(void) {}
 #endif
 

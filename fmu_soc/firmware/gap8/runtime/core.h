@@ -13,8 +13,8 @@ extern "C" {
 
 uint32_t core_clock_hz(void);
 // Sets the loop as loop_set() does (runtime/chip.h). While a peripheral sends at a bit rate derived from this clock,
-// ignores a lower frequency: the end of the transfer wakes the core, but the end of the last byte raises no interrupt.
-// The clock then stays unchanged until the next sleep.
+// ignores a lower frequency. The end of the transfer wakes the core, but the end of the last byte raises no interrupt.
+// Therefore the clock stays unchanged until the next sleep.
 void core_clock_set(uint32_t hz);
 
 // Enables interrupt `number`. An enabled interrupt ends a sleep and, if interrupts are on, calls its handler.

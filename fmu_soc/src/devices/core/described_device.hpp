@@ -48,7 +48,7 @@ class DescribedDevice final : public Device {
   Picoseconds next_event() const override { return done_at_; }
   bool interrupt() const override { return (status_ & kReady) != 0; }
   std::string_view state_name() const override;
-  /// Reports parameters that differ from their start values, but that the program has never read.
+  /// Reports each parameter that a register shows and the program has never read, if it differs from its start value.
   void program_ended() override;
   void visit(state::Visitor& v) override;
 

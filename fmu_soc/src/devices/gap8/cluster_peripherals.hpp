@@ -15,8 +15,9 @@
 namespace mebots::soc::gap8_devices {
 
 /// Models the registers of GAP8's cluster, from 0x10200000 on: control unit (boot addresses, fetch enable), timer,
-/// event unit, control of the instruction cache, DMA. A core can also access them at 0x00200000, and its own registers
-/// of event unit and DMA at 0x00204000 and 0x00204400. A register that is not modelled is reported once, and reads 0.
+/// event unit, control of the instruction cache, DMA. A core can also access them at 0x00200000. At offsets 0x4000 and
+/// 0x4400, a core accesses its own registers of event unit and DMA. A register that is not modelled is reported once,
+/// and reads 0.
 ///
 /// A word of L1 has a second address, 1 MiB above, for test-and-set: a load returns the word and sets all its bits, so
 /// that only one core gets a lock. Sources: archi/chips/gap/memory_map.h, properties.h (ARCHI_L1_TAS_BIT),

@@ -9,9 +9,9 @@
 
 namespace mebots::soc::gap8_devices {
 
-/// Models a HyperFlash. A write of a 16-bit word is part of an unlock sequence, a command, or data of a command. Each
-/// command needs two unlock words before it. Programming changes ones to zeros within a line; erasing sets a whole
-/// sector to ones. Both take no time. Source of the commands: GreenWaves' gap_sdk, hyperflash.c.
+/// Models a HyperFlash. A write of a 16-bit word is part of an unlock sequence, a command, or data of a command. A
+/// command to program or erase needs unlock words before it. Programming changes ones to zeros within a line; erasing
+/// sets a whole sector to ones. Both take no time. Source of the commands: GreenWaves' gap_sdk, hyperflash.c.
 class HyperFlash {
  public:
   static constexpr std::uint32_t kBytes = 64U << 20;         // size of the GAPuino's S71KS512S

@@ -10,8 +10,7 @@ namespace mebots::soc::gap8_devices {
 namespace {
 
 /// Models GAP8's power management unit. The board file lists the registers. A store into PICL_CTRL starts a sequence of
-/// the power controller. After the delay of the state "busy", this sequence raises event SCU_OK for the fabric
-/// controller.
+/// the power controller. After the delay of the state "busy", this sequence raises the SoC event SCU_OK.
 class PowerUnit final : public Device {
  public:
   PowerUnit(const BoardDevice& entry, DeviceHost& host, Signals& signals);

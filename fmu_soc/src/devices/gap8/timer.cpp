@@ -65,7 +65,8 @@ void TimerCounters::count(std::int64_t now) {
   }
 }
 
-/// Raises the event, and restarts or stops the counter, if the counter has reached its compare value.
+/// If the counter has reached its compare value, restarts the counter, raises its event and stops it, each only if the
+/// configuration selects it.
 void TimerCounters::compare(unsigned index) {
   auto& counter = counters_[index];
   if ((counter.config & kEnable) == 0 || counter.met || counter.value != target_of(index)) return;

@@ -13,8 +13,8 @@ namespace mebots::soc::gap8_devices {
 
 /// Models an SPI master of the uDMA with a slave that only receives. The sending channel fetches command words and,
 /// after a command that sends, data. Received data are zeros. A bit takes twice the divider in SoC clocks, or one clock
-/// if the divider is 0. The command that ends a transaction raises the master's event. Source:
-/// archi/udma/spim/udma_spim_v2.h.
+/// if the divider is 0. The command that ends a transaction raises the master's event if bit 0 of
+/// the command is set. Source: archi/udma/spim/udma_spim_v2.h.
 ///
 /// Variables begin with spim0 or spim1. .transactions counts the transactions that sent data. .sent[0] to .sent[3] are
 /// the first 16-bit words of the last such transaction, signed, low byte first.

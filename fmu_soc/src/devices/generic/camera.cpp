@@ -16,8 +16,8 @@
 namespace mebots::soc {
 namespace {
 
-/// An exposure must be shorter than its frame by this number of lines. Source: data sheet of the HM01B0, as used in
-/// nanocockpit's driver (himax.c).
+/// An exposure must be shorter than its frame by at least this number of lines. Source: data sheet of the HM01B0, as
+/// used in nanocockpit's driver (himax.c).
 constexpr double kBlankLines = 2;
 
 }  // namespace

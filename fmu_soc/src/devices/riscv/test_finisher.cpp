@@ -7,8 +7,8 @@
 namespace mebots::soc {
 namespace {
 
-/// Models SiFive's test finisher: a store into its register ends the program. Bits 15 to 0 select pass, fail or reset;
-/// bits 31 to 16 are the exit code of a failure. Source: QEMU 7.2, hw/misc/sifive_test.c; SiFive FU540-C000 device
+/// Models SiFive's test finisher: a store of pass, fail or reset into bits 15 to 0 of its register ends the program.
+/// Bits 31 to 16 are the exit code of a failure. Source: QEMU 7.2, hw/misc/sifive_test.c; SiFive FU540-C000 device
 /// tree, "sifive,test0".
 class TestFinisher final : public Device {
  public:
