@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Runs every FMU in a folder through `mebots check`, `mebots run`, `mebots run --isolate`, and FMPy. Fetch the FMUs
+# Runs every FMU below a folder through `mebots check`, `mebots run`, `mebots run --isolate`, and FMPy. Fetch the FMUs
 # first. Prints a Markdown table of outcomes and of the largest differences at equal times (docs/interop.md). The exit
 # code is 1 if a difference has no known cause.
 # Usage: scripts/corpus.sh FOLDER [BUILD_FOLDER] [--json FILE] [--jobs N] [--match TEXT]    (build/release)

@@ -33,7 +33,7 @@ case $name in
   checkpoint) longest=4096 ;; # large enough for the state of a run
   gdb) longest=512 ;;         # enough, because packets are short
 esac
-# Deletes longer inputs, because libFuzzer would truncate them. ctest replays them completely.
+# Deletes longer inputs from the unpacked copy, because libFuzzer would truncate them. ctest replays them in full.
 find "$build/kept/$name" -type f -size +"$longest"c -delete
 # If /dev/shm exists, unpacks archives into memory.
 if [[ -d /dev/shm ]]; then export TMPDIR=/dev/shm; fi

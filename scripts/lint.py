@@ -2,10 +2,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Runs clang-tidy with the rules of .clang-tidy over all C++ sources, tests and benchmarks included.
 
-The build folder must have been built by GCC and a preset with unity builds. Most of clang-tidy's time is spent in library
+The build folder must have been built with GCC and a preset with unity builds. Most of clang-tidy's time is spent in library
 headers, so sources with common headers are checked together. A group is checked only if the group, one of its headers or a rule
 has changed since the group was last clean. ~/.cache/mebots-lint lists the clean groups. clang-tidy comes from PyPI: Debian's
-version also checks library headers, which takes four times as long. It does not support all of GCC's warnings.
+version also checks library headers, which takes four times as long. clang-tidy does not support all of GCC's warnings.
 
 Usage: scripts/lint.py [BUILD_DIR]
 """

@@ -72,7 +72,7 @@ def pictures(world, left, middle):
 
 
 def ranger_map(world, axis):
-    """Turns a drone once around its vertical axis in front of the gate, and draws the multi-ranger's measurements."""
+    """Turns a drone by a quarter turn in front of the gate, so that its four rangers cover all directions. Draws their readings."""
     names = [f"multiranger.{word}" for word in ("front", "left", "back", "right")]
     place = 3.0
     points = [[] for _ in names]

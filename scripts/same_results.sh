@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Runs the easy mission with each of several builds: with and without AVX, FMA and BMI, and in an emulated processor
-# that has none of them (if qemu-x86_64 is installed). Prints a Markdown table of hashes. The exit code is 1 if results
-# differ. Usage: scripts/same_results.sh BUILD_FOLDER... [--config FILE] [--stop-time S]    (configs/gate_easy.json to
-# its end)
+# Runs the easy mission with each of several builds, with and without AVX, FMA and BMI. If qemu-x86_64 is installed,
+# also runs the first build on an emulated processor that has none of them. Prints a Markdown table of hashes. The exit
+# code is 1 if results differ.
+# Usage: scripts/same_results.sh BUILD_FOLDER... [--config FILE] [--stop-time S]    (configs/gate_easy.json to its end)
 set -euo pipefail
 cd "$(dirname "$0")/.."
 builds=() config=configs/gate_easy.json more=()

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Prints tests by area, from ctest's results. Usage: scripts/test_table.py BUILD_FOLDER JUNIT_FILE
 
-An area is a folder in tests/. `skipped` tests reported that they cannot run. ctest could not start `not run` tests, or they are
-disabled. Both kinds and the failed tests are listed below the table.
+An area is a folder in tests/. A test is `skipped` if it reported that it cannot run. It is `not run` if ctest could not start it,
+or if it is disabled. The tests of both kinds and the failed tests are listed below the table.
 """
 
 import collections

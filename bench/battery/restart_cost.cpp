@@ -88,8 +88,8 @@ class Vectors {
   N_Vector tolerances = nullptr;
 };
 
-/// Repeats a restart and a step. `step` stores the reached time in its argument. It returns true if this is the end of
-/// the step.
+/// Repeats a restart and a step. `step` stores the reached time in its argument. If the integrator fails, it returns
+/// false.
 void time_steps(benchmark::State& state, Problem& problem, const Vectors& vectors, auto step) {
   for ([[maybe_unused]] auto _ : state) {
     vectors.next(problem);

@@ -106,6 +106,7 @@ class Stand:
 
     @property
     def grams(self):
+        """Returns the thrust of all four rotors [g]."""
         return 4e3 * self.thrust_n / GRAVITY
 
     @property

@@ -32,7 +32,7 @@ def spread(values):
 
 
 def before(flights, judged):
-    """Returns, for each judged flight, the earlier flight that provides its factor. If there is no such flight, returns None."""
+    """Returns a list with the earlier flight that provides the factor of each judged flight, or None if there is no such flight."""
     found = []
     for flight in judged:
         earlier = [f for f in flights if f.start_s < flight.start_s]

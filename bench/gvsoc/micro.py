@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 """Runs the micro programs of tests/soc/rtl on a core of the cluster, in mebots-soc and in GVSoC. Prints the cycles per iteration
-of programs with different cycles.
+of the programs whose cycles differ.
 
 Usage: micro.py BUILD
 

@@ -6,8 +6,9 @@ memory.
 Usage: random_xpulp.py BUILD [--programs N] [--first SEED] [--segments N] [--alone]
 
 BUILD is a build folder with tests. gvsoc.py states how GVSoC is found. --alone compares the translated with the interpreted run
-of mebots-soc instead. Some encodings are not supported by GVSoC. Four kinds of instructions are known to differ for some operands
-(known()). For any other difference, prints it, and the exit code is 1. Needs riscv64-unknown-elf-gcc.
+of mebots-soc instead. The programs contain no encodings that GVSoC does not support. Four kinds of instructions are known to
+differ for some operands (known()). If there is another difference, prints it, and the exit code is 1. Needs
+riscv64-unknown-elf-gcc.
 """
 import argparse
 import collections

@@ -4,9 +4,10 @@
 
 Usage: compare.py MEBOTS PASSTHROUGH.fmu [--repeats N] [--processor-time] [--json FILE]
 
-The cost of a tool is the slope between a short and a long run, which excludes the time for starting. The tools alternate, so that
-other work on the machine affects all of them. The result is in microseconds of wall time per communication step. With
---processor-time, it is the processor time of all threads, on which other work has less influence.
+Each of SCENES runs without recording, and with every output of every step recorded as CSV. The cost of a tool is the slope
+between a short and a long run, which excludes the time for starting. The tools alternate, so that other work on the machine
+affects all of them. The result is in microseconds of wall time per communication step. With --processor-time, it is the processor
+time of all threads, on which other work has less influence.
 
 Searches for OMSimulator in $OMSIMULATOR and on PATH (its PyPI package fetches the program from its own server). FMPy and
 libcosimpy come from PyPI: scripts/setup.sh bench. Lists missing tools.

@@ -6,7 +6,7 @@ The system is libcosim's quarter truck. Compares the result with libcosim's ECCO
     step_control.py MEBOTS FOLDER OSCILLATOR.fmu [--out docs/img/step_control.png]
 
 FOLDER is tests/data/fmi2/quarter_truck of a checkout of libcosim (github.com/open-simulation-platform/libcosim). It contains
-Chassis.fmu and Wheel.fmu. libcosimpy comes from PyPI (scripts/setup.sh bench). If it is missing, it is omitted.
+Chassis.fmu and Wheel.fmu. libcosimpy comes from PyPI (scripts/setup.sh bench). If it is missing, the comparison with ECCO is omitted.
 
 OSCILLATOR.fmu is built from tests/fmus/oscillator.c. With it, the same truck is at rest for 1.0034 s. Then its wheel meets a kerb
 that the master cannot predict. The states of this FMU can be restored. The states of libcosim's FMUs cannot: while a state is

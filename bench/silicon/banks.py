@@ -43,8 +43,8 @@ def any_bank(seed):
 
 
 # Each form has two values. The first value lists the instructions of one iteration of the loop: the word that a load reads, or
-# None for another instruction. The second value is the distance between the words that the same load reads in two consecutive
-# cores.
+# None for another instruction. The second value is the distance in words between the words that the same load reads in two
+# consecutive cores.
 FORMS = {
     "one_bank": ([0] * 16, 0),                   # loads one bank in every cycle
     "straight": ([0] * 256, 0),                  # does the same without the end of a loop, in blocks of 64 instructions

@@ -60,7 +60,7 @@ void run(const std::string& board_path, const std::string& energy, const Setting
   auto board = read_board(board_path);
   board.energy = energy;
   auto chip_data = chip_of(board);
-  // Extends the chip's table, because published values are for 100 MHz at 1.0 V.
+  // Extends the chip's table, because published values are for 100 MHz at 1.0 V, which is beyond it.
   chip_data.cluster_clock_at_lowest_voltage_hz =
       std::max(chip_data.cluster_clock_at_lowest_voltage_hz, settings.cluster_clock_hz);
   std::vector<Mark> marks;

@@ -33,8 +33,8 @@ def function(number, chance):
 
 
 def source(code_bytes):
-    """Returns the C source of `unsigned turn(unsigned)`, which calls several functions once. The functions together have about
-    `code_bytes` bytes of code."""
+    """Returns the C source of `unsigned turn(unsigned)`, which calls each of several functions once. The functions together have
+    about `code_bytes` bytes of code."""
     chance = random.Random(20)
     count = max(1, round(code_bytes / FUNCTION_BYTES))
     functions = "\n".join(function(number, chance) for number in range(count))

@@ -11,7 +11,7 @@ up to 448 KiB, because its L2 has 512). Each simulator runs a short and a long v
 
     (instructions of the long run - of the short run) / (processor time of the long run - of the short run)
 
-In the short run, hot code is already translated. Prints the median of the repeats; the simulators alternate. The exit code is 1
+The short run is long enough to translate the hot code. Prints the median of the repeats; the simulators alternate. The exit code is 1
 if a program's checksums differ.
 """
 

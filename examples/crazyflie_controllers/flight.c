@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Implements flight/controller.h with the controller of crazyflie.c. Converts state and goal to the firmware's units
-// (degrees, g; the pitch of `attitude` is positive with the nose up). Uses the firmware's own power distribution, and
-// its battery compensation.
+// (degrees, g; the pitch of `attitude` is positive with the nose up). Uses the firmware's own power distribution.
+// Compensates the battery voltage as the firmware does.
 #include <math.h>
 #include <string.h>
 

@@ -22,7 +22,7 @@ COLUMNS = ["world.drone.position.*", "motors.power"]
 
 
 def fly(build, scenario, out):
-    """Runs one flight. Returns its results. Adds the drawn variables to the mission's recorded variables."""
+    """Runs one flight. Returns its results. Records only the drawn variables."""
     config = json.loads((ROOT / "configs" / "gate_easy.json").read_text())
     config["record"] = COLUMNS
     config.pop("pictures")

@@ -17,8 +17,8 @@ SECONDS = 120  # wall time for one program in one simulator
 
 
 def soc_run(soc, isa="rv32imc"):
-    """Returns the command of mebots-soc with a core that has no properties beyond the specification. Other cores require an
-    alignment of handlers that the suites' handlers, with 4 bytes, do not have.
+    """Returns the command of mebots-soc with a core that has no properties beyond the specification. Other cores require a
+    larger alignment of trap handlers than the 4 bytes in the suites.
     """
     return [soc, "run", "--core", isa]
 

@@ -70,7 +70,7 @@ def main():
             runs.append(again["battery.cell.voltage"])
         assert (runs[0] == runs[1]).all() and len(runs[0]) == 31
 
-        # Equal bits also for an instance in a separate process, whose program is next to the package.
+        # An instance in a separate process must give the same bits. Its program is next to the package.
         isolated = mebots.Mission(config(folder, process="own"))
         isolated.set("motors.rotor[1].command", 0.5)
         isolated.set_stop_time(0.3)

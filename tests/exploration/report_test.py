@@ -44,7 +44,7 @@ class Effects(StudyCase):
         self.assertEqual(effects.pair_means((factors[0], factors[1]), values), [1, -1, -1, 1])
 
     def test_a_factor_without_effect_explains_nothing_of_sampled_designs(self):
-        """By chance, five levels explain a tenth of the variance of 40 designs."""
+        """By chance, the five levels of a factor explain a tenth of the variance of 40 designs."""
         lot = np.random.default_rng(1)
         shares = []
         for _ in range(200):
@@ -52,7 +52,7 @@ class Effects(StudyCase):
             found = effects.importances(self.study_of("random"), [factor("a", ones), factor("b", twos)], [], np.array(ones) + lot.normal(size=40))
             shares.append(found.factors)
         strong, idle = np.mean(shares, axis=0)
-        # The variances are 2 and 1. A tenth of each is subtracted, which the other factor's levels explain by chance.
+        # The factor has a variance of 2, the noise of 1. The share of 2/3 loses the tenth that the other factor explains by chance.
         self.assertAlmostEqual(strong, 2 / 3, delta=0.08)
         self.assertLess(idle, 0.03)
 

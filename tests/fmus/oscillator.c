@@ -53,7 +53,7 @@ static void compute(Model* m) {
       (r[MASS] * r[VELOCITY] * r[VELOCITY] + r[STIFFNESS] * r[X] * r[X] + r[GRIP] * (r[X] - r[Y]) * (r[X] - r[Y])) / 2;
 }
 
-/// Returns the state `length` after the time tau.
+/// Returns the body's state at tau + length, integrated from the state `s` at tau.
 static Body integrated(const Model* m, double rest, Body s, double tau, double length) {
   const double h = length / PARTS;
   for (int part = 0; part < PARTS; ++part) {

@@ -167,7 +167,8 @@ for i, picture in enumerate(numpy.load("networks/sight.npy")[:20]):
 
 
 def edit_cflib(steps, blocks):
-    """Returns the steps with the drone in the background, the page's script, and the end by Ctrl-C."""
+    """Returns steps that start the drone in the background, run the page's script, and end the drone with SIGINT, as Ctrl-C does.
+    Later `mebots link` steps end after 3 s."""
     script = next(content for _, language, content in blocks if language == "python")
     fly = [Step(file="fly.py", content=script), Step(command="python3 fly.py"), Step(command="kill -INT $drone; wait $drone")]
     waiting = [step for step in steps if step.command.startswith("mebots link") and "--replay" not in step.command]

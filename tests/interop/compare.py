@@ -48,8 +48,8 @@ def ring(fmu, count, source, target, steps, step):
 
 
 def of_python(folder):
-    """Returns two FMUs of pythonfmu that exchange values of every type that pythonfmu supports. pythonfmu builds an archive for
-    every platform."""
+    """Returns an FMU of pythonfmu, and a system of two instances of this FMU. They exchange values of every type that pythonfmu
+    supports. pythonfmu builds one archive for all platforms."""
     import pythonfmu
 
     fmu = pythonfmu.FmuBuilder.build_FMU(str(pathlib.Path(__file__).parent / "python_slave.py"), dest=str(folder))

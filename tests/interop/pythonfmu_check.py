@@ -51,8 +51,8 @@ def main():
     with tempfile.TemporaryDirectory(prefix="foreign fmus ") as folder:
         folder = pathlib.Path(folder)
         fmu = pythonfmu.FmuBuilder.build_FMU(str(script), dest=str(folder))
-        # Only the virtual environment of this program contains pythonfmu. MEBOTS_PYTHON names its interpreter, and PYTHONPATH is
-        # not set.
+        # Uses the virtual environment of this program, which contains pythonfmu. MEBOTS_PYTHON names its interpreter, so
+        # PYTHONPATH need not be set.
         of_environment = dict(plain, MEBOTS_PYTHON=sys.executable)
         rows = [check("automatic", run(mebots, folder, fmu, {}, of_environment), folder),
                 check("own", run(mebots, folder, fmu, {"process": "own"}, of_environment), folder),

@@ -47,8 +47,8 @@ def variables(instance):
 
 
 def outputs(instance, types=("Real", "Integer", "Boolean", "Enumeration", "String")):
-    """Returns the outputs to compare. Includes String outputs only for FMUs of pythonfmu. MEbots' FMUs compute the base64 text of
-    a picture at each read."""
+    """Returns the outputs to compare. Includes String outputs only for FMUs of pythonfmu, because MEbots' FMUs compute the base64
+    text of a picture at each read."""
     texts = of_python(instance)
     return [v for v in variables(instance).values() if v.causality == "output" and v.type in types
             and not v.name.endswith(POINTERS) and (v.type != "String" or texts)]

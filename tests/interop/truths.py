@@ -182,7 +182,7 @@ def columns(names, rows):
 
 
 def of_method(names, truth, rate, start, internal=None, event=None):
-    """Returns a bound for explicit Euler with the FMU's internal step. If this step is unknown, uses the communication step."""
+    """Returns a bound for explicit Euler with the step `internal`. If `internal` is None, uses the communication step."""
     def bound(times, step):
         exact = truth(times)
         coarse = columns(names, euler(rate, start, times, internal or step, event))
@@ -421,11 +421,11 @@ def truths_of(fmu, description):
 
 
 def compare(truth, times, step, found):
-    """Returns (ratio, error, text) for a variable. The ratio is the largest error divided by its bound. The variable agrees if
-    the ratio is at most 1.
+    """Returns (ratio, error, text) of the variable with the largest ratio. The ratio is the variable's largest error divided by
+    its bound. The FMU agrees with the truth if the ratio is at most 1.
 
-    An FMU may end the run early. If a bound exceeds a quarter of the largest value, the ratio is infinite, because such a
-    comparison proves nothing.
+    An FMU may end the run early. If a bound exceeds a quarter of the variable's largest value, the ratio is infinite, because
+    such a comparison proves nothing.
     """
     reached = min((len(values) for values in found.values()), default=0)
     if reached < 2:

@@ -174,7 +174,7 @@ TEST(ShellState, DamagedOrForeignBytesAreRefused) {
   drive(lag, 5, 6);
 }
 
-/// Returns the bytes with another hash of the layout and a correct checksum, as a build of another description would
+/// Returns the bytes with another hash of the layout and a correct checksum, as a build with other variables would
 /// write them. The header has magic number, format, two texts with their lengths, layout and checksum.
 std::vector<char> of_another_build(std::vector<char> bytes) {
   const auto number_at = [&](std::size_t at) {

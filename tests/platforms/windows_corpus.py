@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Runs all FMUs for co-simulation in a folder that have a binary for 64-bit Windows. Prints tables by tool and by FMU.
+"""Runs all FMUs for co-simulation below a folder that have a binary for 64-bit Windows. Prints tables by tool and by FMU.
 
     windows_corpus.py FOLDER MEBOTS [--json FILE] [--match TEXT]
 

@@ -179,7 +179,8 @@ class Structure:
 
 
 def imports_of_python(root, file):
-    """Returns the modules of the package in `root` that a module imports. Ignores __init__, which only re-exports names."""
+    """Returns the modules of the package in `root` that a module imports. Ignores imports of a package's __init__, which only
+    re-exports names."""
     known = {path.relative_to(root).with_suffix("") for path in root.rglob("*.py")}
     here = file.relative_to(root).parent
     candidates = []
@@ -210,7 +211,7 @@ def imports_of_typescript(root, file):
 
 
 def mistakes_of_modules(root, description):
-    """Checks that imports between Python modules follow the order of the layers. Returns the violations."""
+    """Checks that the modules of a folder do not import each other in a cycle. Yields the violations."""
     folder = root / description["root"]
     ending, imports = {"python": (".py", imports_of_python),
                        "typescript": (".ts", imports_of_typescript)}[description["language"]]

@@ -7,7 +7,7 @@
 
 namespace mebots::test {
 
-/// Returns the bytes of a DLL for x86-64 Windows without code. It imports `needed` and exports `names`. It has one
+/// Returns the bytes of a DLL for x86-64 Windows without code. It imports from `needed` and exports `names`. It has one
 /// section, whose addresses are offsets in the file plus 0x1000.
 inline std::string windows_dll(const std::vector<std::string>& needed, const std::vector<std::string>& names) {
   constexpr std::uint32_t kHeader = 0x40;

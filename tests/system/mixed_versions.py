@@ -60,7 +60,7 @@ def mixture(config, fmus, chosen):
 
 
 def fly(mebots, config, folder):
-    """Runs a config. Returns the pictures, and the lines of results.csv without the header."""
+    """Runs a config. Returns the text of results.csv without the header, and {name: bytes} of the pictures."""
     folder.mkdir()
     (folder / "config.json").write_text(json.dumps(config))
     subprocess.run([mebots, "run", folder / "config.json", "--out", folder / "out", "--quiet"], check=True)

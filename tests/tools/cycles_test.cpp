@@ -22,8 +22,8 @@ std::int64_t sum_of(const Report& causes) {
   return sum;
 }
 
-/// Checks two sums: the causes of each function and core give its cycles, and the cycles of all functions give those of
-/// their core.
+/// Checks that the cycles of the causes add up to the cycles of their function or core. Also checks that the cycles of
+/// all functions add up to the cycles of their core.
 void expect_sums(const Report& hart) {
   EXPECT_EQ(sum_of(hart["causes"]), hart["cycles"]);
   EXPECT_FALSE(hart["causes"].contains("other"));

@@ -269,7 +269,7 @@ TEST_F(Gdb, SeesAFaultBeforeTheRunEnds) {
 }
 
 TEST_F(Gdb, InterruptsARunningProgram) {
-  // Sends Ctrl-C as gdb does: `interrupt` from the background, in asynchronous mode.
+  // A timer sends SIGINT to gdb, as Ctrl-C in a terminal does.
   const Debugged run(
       "python\nimport threading, os, signal, time\n"
       "threading.Timer(1.0, lambda: os.kill(os.getpid(), signal.SIGINT)).start()\nend\n"
@@ -446,7 +446,7 @@ TEST_F(Gdb, WhatAStepPrintedIsNotPrintedAgain) {
   EXPECT_EQ(run.exit_code, 1) << run.err;
 }
 
-/// The console keeps its text, and does not print it again. A change by gdb ends the history.
+/// A replay does not print the text of the console again. A change by gdb ends the history.
 TEST_F(Gdb, AReplayPrintsNothingAgainAndAChangeEndsTheHistory) {
   const Folder folder;
   const auto elf = folder.program(fmt::format("{}{}", kPrinter, kTohost));

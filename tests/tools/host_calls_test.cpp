@@ -111,7 +111,7 @@ TEST(Semihosting, CostsNoTimeAndCountsNoInstruction) {
 }
 
 /// Returns a program that prints "Wow!" to the console of riscv-isa-sim. Bit 0 of each character is set, as in a value
-/// that ends a program. `store` is the code that stores the command in t0 and t1.
+/// that ends a program. The command is in t0 and t1, and the code `store` stores it.
 std::string console_program(std::string_view store) {
   return fmt::format(R"(
 _start: la s0, text

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests time and energy per function and call stack. Each function has its own time, and the parts give exactly the
-// total.
+// Tests time and energy per function and call stack. Each function has its own time, and the sum of all parts is
+// exactly the total.
 #include "observe/profile.hpp"
 
 #include "board_system.hpp"

@@ -8,8 +8,7 @@ from run import fly_all
 
 
 def _speeds(published, count, place):
-    """Repeats `count` hard flights, the fastest first, because they are the shortest. Yields (name, new values, published
-    values)."""
+    """Repeats `count` hard flights. Starts with the fastest, which are the shortest. Yields (name, new values, published values)."""
     names = list(reversed(experiments.HARD_SPEEDS))[:count]
     flights = [flight for flight in experiments.speeds() if flight.speed_km_h in names and not flight.adaptive]
     for flight, summary in zip(flights, fly_all(flights, place).values()):

@@ -78,8 +78,8 @@ def last_seconds(summary):
 
 def readings(fmu, summaries):
     """Returns results of the battery's FMU with the paper's motors: seconds of hovering until 10 % are left {battery: {reading:
-    s}}, the hard flights' charge at the gate and at the end {speed: {reading: %}}, and the error of replaying a flight's own
-    loads, relative to the flight's own charge [%]."""
+    s}}, and the hard flights' charge at the gate and at the end {speed: {reading: %}}. Also replays each hard flight's own loads,
+    and returns the largest difference from the flight's own charge [%]."""
     battery = Battery(fmu)
 
     def hovering(name, kind="hover"):

@@ -26,7 +26,7 @@ def named(motors, name):
 
 
 def batteries():
-    """Returns the easy flights with real and with equal masses, which show the used charge."""
+    """Returns the easy flights with real and with equal masses. The report compares the charge that they use."""
     return [Flight(f"a-{battery}-{speed}-{'equal' if equal else 'real'}", "easy", speed, battery=battery,
                    equal_mass=equal)
             for battery in BATTERIES for speed in EASY_SPEEDS for equal in (False, True)]

@@ -116,7 +116,7 @@ def phases(tables):
 
 
 def clocks(rows):
-    """Draws the chip's mean energy up to the gate over its clock, on eight cores and on one core."""
+    """Draws the chip's mean energy up to the gate over the cluster's clock, on eight cores and on one core."""
     figure, axes = plt.subplots(figsize=(8, 3.6), constrained_layout=True)
     for cores, marker, colour in ((8, "o", style.BLUE), (1, "s", style.VERMILION)):
         group = [row for row in rows if row["cores"] == cores and row["crossed"]]

@@ -29,7 +29,7 @@ FIRST_CHIP, SECOND_CHIP = CHIPS  # the report is about the first chip and compar
 SHIPPED = ("gate_easy", "gate_hard")
 LENS = "world.camera.field_of_view"
 
-# The motor models of the flights. The loads of a flight give the results for values that the paper omits (replay.py).
+# The motor models of the flights. The effects of the paper's other omissions are computed from the loads of a flight (replay.py).
 MOTORS = {"bench": "bench motors", "paper": "paper's motors"}
 
 

@@ -100,7 +100,8 @@ TEST(XpulpTranslation, RunsAsInterpreted) {
   }
 }
 
-/// Registers that dot products mostly use are kept in vector registers, even if other instructions use them, too.
+/// The translator keeps registers that are mostly used by dot products in vector registers, even if other instructions
+/// use them, too.
 TEST(XpulpTranslation, RunsDotProductsAsInterpreted) {
   std::set<const Encoding*> seen;
   for (std::uint64_t seed = 101; seed <= 180; ++seed) {

@@ -125,7 +125,7 @@ TEST(CameraCoverage, TrianglesThroughTheCamerasPlaneLeaveNoHole) {
 }
 
 TEST(CameraCoverage, RowsOfAStripAreThoseTakenOneByOne) {
-  // In a strip, the edges continue from row to row. In a single row, a quotient gives the position.
+  // In a strip, each row continues the edges of the previous row. For a single row, divisions give the edges.
   std::mt19937 random(13);
   std::uniform_real_distribution<double> place(-1.0, 1.0);
   std::uniform_real_distribution<double> exponent(-1.0, 14.0);
@@ -242,7 +242,7 @@ TEST(CameraCoverage, AGateCoversThePixelsOfItsFourBeams) {
 }
 
 TEST(CameraCoverage, NoCornerOfAGateLiesInTheMiddleOfAnotherFacesEdge) {
-  // Rounding can move such a corner away from the edge. The background is then visible in the gap.
+  // Rounding can move such a corner away from the edge. The background can then be visible in the gap.
   scene::Scene scene = testing::room();
   scene.boxes.clear();
   const Geometry geometry = make_geometry(scene);

@@ -123,8 +123,8 @@ TEST(CameraProjection, AreaOfAGateFrontIsItsProjectedArea) {
   EXPECT_NEAR(static_cast<double>(white), area(gate.outer_m) - area(gate.inner_m), 50.0);
 }
 
-/// Returns the position next to `near` at which a row of grey levels crosses `middle` in either direction. The position
-/// has a fraction.
+/// Returns the position closest to `near` at which a row of grey levels crosses `middle`, in either direction.
+/// Interpolates between two pixels.
 std::optional<double> transition(const std::vector<double>& grey, double middle, double near) {
   std::optional<double> best;
   for (std::size_t i = 0; i + 1 < grey.size(); ++i) {

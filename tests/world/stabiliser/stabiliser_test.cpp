@@ -163,7 +163,7 @@ TEST(Stabiliser, HoldsItsPlaceAndHeadingWhileClimbing) {
 }
 
 TEST(Stabiliser, ComesBackFromATiltOf45Degrees) {
-  // The drone starts at 5 m with a quarter of the hover thrust. It may sink by at most a metre.
+  // The drone starts at 5 m with the thrust of hovering. It may sink by at most a metre.
   const auto scene = test::shipped_scene("empty");
   Stabiliser stabiliser(scene.drone);
   test::OneBody bodies(scene);

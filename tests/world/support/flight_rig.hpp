@@ -31,7 +31,7 @@ inline RangeSensor sensor_in(const scene::Scene& scene, const RangeSensor::Setti
 }
 
 /// Four rotors that follow their commands with a first-order lag, which is solved exactly over a step. Their thrust is
-/// that of the stabiliser's curve times `sag`, the voltage sag of the bus.
+/// that of the stabiliser's curve times `sag`, the factor of a lower bus voltage.
 struct Rotors {
   explicit Rotors(const scene::Drone& drone)
       : curve(drone.thrust_curve), torque_per_thrust_m(drone.torque_per_thrust_m) {}

@@ -7,7 +7,7 @@
 
 namespace mebots::world::test {
 
-/// A rigid world that contains only the scene's drone.
+/// The rigid world of a scene with one drone.
 class OneBody {
  public:
   explicit OneBody(const scene::Scene& scene) : bodies_(scene, std::span(&scene.drone.body_size_m, 1)) {}
