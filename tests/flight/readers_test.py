@@ -64,7 +64,8 @@ class UsdLogs(LogCase):
 
     def test_a_mapping_replaces_the_meanings_of_known_columns(self):
         content = usd_log([STATE], [(0xFFFF, 0, (6000, 65535, 4000, 1.0, -7))])
-        mapping = {"columns": {"pm.vbatMV": {"signal": "battery.voltage", "unit": "mV", "scale": 2.0}, "acc.z": {"signal": "acceleration.z", "unit": "m/s2"}}}
+        mapping = {"columns": {"pm.vbatMV": {"signal": "battery.voltage", "unit": "mV", "scale": 2.0},
+                               "acc.z": {"signal": "acceleration.z", "unit": "m/s2"}}}  # fmt: skip
         log = read_log(self.file(content), self.mapping(mapping))
         np.testing.assert_allclose(log["battery.voltage"].values, [8.0])
         np.testing.assert_allclose(log["acceleration.z"].values, [1.0])

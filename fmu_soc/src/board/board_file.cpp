@@ -277,10 +277,10 @@ std::string read_decisions(const Node& node, const BoardDescription& board) {
 std::string read_file_name(const Node& node) {
   auto name = node.readable_text();
   if (name.find('/') != std::string::npos || name == "." || name == "..") {
-    node.fail(
-        ErrorCode::invalid_value,
-        fmt::format("\"{}\" must be a file name without a folder: the library must be in the folder of the board file",
-                    name));
+    node.fail(ErrorCode::invalid_value,
+              fmt::format("\"{}\" must be a file name without a folder. The folder of the library is that of the board "
+                          "file, or one given with --devices",
+                          name));
   }
   return name;
 }

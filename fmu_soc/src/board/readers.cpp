@@ -4,22 +4,26 @@
 #include <fmt/format.h>
 
 #include <cctype>
+#include <charconv>
+#include <system_error>
 
 namespace mebots::soc {
 
 std::uint32_t read_number(const data::Node& node, std::string_view what) {
   const auto text = node.text();
-  std::size_t used = 0;
-  unsigned long long value = 0;
-  try {
-    value = std::stoull(text, &used, 0);
-  } catch (const std::exception&) {
-    used = 0;
+  const bool is_hexadecimal = text.starts_with("0x") || text.starts_with("0X");
+  const auto digits = std::string_view(text).substr(is_hexadecimal ? 2 : 0);
+  // A leading zero marks octal numbers in C, and decimal numbers elsewhere.
+  const bool is_ambiguous = !is_hexadecimal && digits.size() > 1 && digits.front() == '0';
+  std::uint32_t value = 0;
+  const auto [end, error] =
+      std::from_chars(digits.data(), digits.data() + digits.size(), value, is_hexadecimal ? 16 : 10);
+  if (error != std::errc{} || end != digits.data() + digits.size() || is_ambiguous) {
+    node.fail(
+        ErrorCode::invalid_value,
+        fmt::format("\"{}\" must be a 32-bit {} such as \"0x1A188000\", or decimal without leading zeros", text, what));
   }
-  if (used == 0 || used != text.size() || value > 0xffffffffULL) {
-    node.fail(ErrorCode::invalid_value, fmt::format("\"{}\" must be a 32-bit {} such as \"0x1A188000\"", text, what));
-  }
-  return static_cast<std::uint32_t>(value);
+  return value;
 }
 
 std::uint32_t read_address(const data::Node& node) {

@@ -193,7 +193,14 @@ TEST(BoardFile, NamesTheOptionsOfItsCore) {
 
 TEST(BoardFile, RefusesInvalidAddresses) {
   EXPECT_THAT(complaint(R"({"name": "ram", "base": "0x1001", "size": 4096})", ""), HasSubstr("multiple of 4"));
-  EXPECT_THAT(complaint(R"({"name": "ram", "base": "here", "size": 4096})", ""), HasSubstr("32-bit address"));
+  for (const char* base : {"here", "", "0x", "-4", " 4096", "4096 ", "0x100000000", "010000"}) {
+    EXPECT_THAT(complaint(fmt::format(R"({{"name": "ram", "base": "{}", "size": 4096}})", base), ""),
+                HasSubstr("32-bit address"))
+        << base;
+  }
+  for (const char* base : {"4096", "0", "0X1000"}) {
+    EXPECT_EQ(complaint(fmt::format(R"({{"name": "ram", "base": "{}", "size": 4096}})", base), ""), "") << base;
+  }
   EXPECT_THAT(complaint(R"({"name": "ram", "base": "0x1000", "size": 4098})", ""), HasSubstr("/memories/0/size"));
 }
 
