@@ -209,7 +209,7 @@ def main():
         calibrate(models["gap8"], data["points"], rail_v)
         return
     dronet = arguments.dronet and {name: of_dronet(arguments.build, name, arguments.dronet) for name in MODELS}
-    print("| published | | gap8 | off | gap8_silicon | off | use |\n|---|---|---|---|---|---|---|")
+    print("| published | value | gap8 | difference | gap8_silicon | difference | use |\n|---|---|---|---|---|---|---|")
     for point in data["points"]:
         values = point["value"] if isinstance(point["value"], list) else [point["value"]]
         cells = [point["name"], ", ".join(map(str, values)) + " " + point["unit"]]
