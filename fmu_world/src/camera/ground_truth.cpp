@@ -55,6 +55,14 @@ void GroundTruth::look(const PoseAt& pose_at, double after_s, std::uint32_t only
   });
 }
 
+bool GroundTruth::may_see(const PoseAt& pose_at, double after_s, std::uint32_t object) {
+  bool found = false;
+  for_each_band(lens_.pinhole(), intrinsics_, line_time_s_, [&](int first, int end, double later_s) {
+    found = found || renderer_.may_see(pose_at(after_s + later_s), first, end, object, workspace_);
+  });
+  return found;
+}
+
 void GroundTruth::depth(const PoseAt& pose_at, double after_s, std::uint64_t seed, std::uint64_t index,
                         std::span<std::uint8_t> bytes) {
   const auto width = static_cast<std::size_t>(intrinsics_.width);
@@ -100,7 +108,9 @@ std::vector<SeenObject> GroundTruth::objects(const PoseAt& pose_at, double after
     seen[i].distance_m = distance_m(objects[i], middle);
   }
   for (std::size_t i = 0; i < objects.size(); ++i) {
-    look(pose_at, after_s, static_cast<std::uint32_t>(i));
+    const auto only = static_cast<std::uint32_t>(i);
+    if (!may_see(pose_at, after_s, only)) continue;
+    look(pose_at, after_s, only);
     for_each_pixel([](SeenObject& object, int column, int row) {
       object.box.add(column, row);
       ++object.pixels;

@@ -57,6 +57,8 @@ class GroundTruth {
 
  private:
   void look(const PoseAt& pose_at, double after_s, std::uint32_t only);
+  /// Returns false if no row of the picture can show the object.
+  bool may_see(const PoseAt& pose_at, double after_s, std::uint32_t object);
   double distance_m(const SceneObject& object, const Pose& pose) const;
 
   std::shared_ptr<const Scenery> scenery_;

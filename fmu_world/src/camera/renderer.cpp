@@ -328,6 +328,11 @@ void Renderer::look(const Pose& pose, int first_row, int end_row, std::uint32_t 
   });
 }
 
+bool Renderer::may_see(const Pose& pose, int first_row, int end_row, std::uint32_t object, Workspace& workspace) const {
+  find_visible(pose, first_row, end_row, object, workspace);
+  return !workspace.faces_.empty();
+}
+
 void Renderer::render_light(const Pose& pose, int first_row, int end_row, std::span<float> grey,
                             Workspace& workspace) const {
   const int width = intrinsics_.width;

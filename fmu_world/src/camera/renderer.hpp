@@ -101,6 +101,9 @@ class Renderer {
   void look(const Pose& pose, int first_row, int end_row, std::uint32_t only, std::span<Sight> sights,
             Workspace& workspace) const;
 
+  /// Returns false if look() would find no face of an object in these rows.
+  bool may_see(const Pose& pose, int first_row, int end_row, std::uint32_t object, Workspace& workspace) const;
+
  private:
   /// Finds the faces that may be visible in the rows [first, end). `only` has the same meaning as in look().
   void find_visible(const Pose& pose, int first_row, int end_row, std::uint32_t only, Workspace& workspace) const;
