@@ -214,10 +214,11 @@ Wrench Drone::rotors_wrench() const {
   return wrench;
 }
 
-void Drone::push(const Eigen::Vector3d& wind_W_m_per_s, double downwash_n) {
+void Drone::push(const Eigen::Vector3d& wind_W_m_per_s, const DownwashForce& downwash) {
   Wrench rotors_B = rotors_wrench();
-  if (downwash_n > 0.0) rotors_B.force_n.z() -= downwash_n;
+  if (downwash.down_B_n > 0.0) rotors_B.force_n.z() -= downwash.down_B_n;
   air_force_W_n_ = state_.q_WB * rotors_B.force_n + drag_force(model_, state_, wind_W_m_per_s);
+  if (downwash.up_W_n != 0.0) air_force_W_n_.z() += downwash.up_W_n;
   around_.bodies.place(index_, state_, air_force_W_n_, rotors_B.torque_n_m);
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "dynamics/downwash.hpp"
 #include "dynamics/rigid_world.hpp"
 #include "flight/flight_control.hpp"
 #include "flight/gate_judge.hpp"
@@ -67,8 +68,8 @@ class Drone {
 
   /// Reads the inputs, and takes a picture if one is requested.
   void begin_step(std::int64_t start_ns, std::int64_t duration_ns, const Others& others);
-  /// Applies the forces to the body. `downwash_n` is the force of air from other drones, along the body's -z axis.
-  void push(const Eigen::Vector3d& wind_W_m_per_s, double downwash_n);
+  /// Applies the forces to the body.
+  void push(const Eigen::Vector3d& wind_W_m_per_s, const DownwashForce& downwash);
   /// Reads the body's new state.
   void move();
   /// Evaluates contacts and gates, and advances the flight sequence.

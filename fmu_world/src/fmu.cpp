@@ -2,11 +2,15 @@
 #include "fmu_world/binding.hpp"
 #include "mebots/base64.hpp"
 #include "mebots/data/find_file.hpp"
+#include "mebots/error.hpp"
+#include "mebots/file_kind.hpp"
 #include "model.hpp"
+#include "scene/downwash_networks.hpp"
 #include "scene/load.hpp"
 
 #include <fmt/format.h>
 #include <charconv>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -32,7 +36,8 @@ class Binding final : public fmu::Model {
   Binding(Variables& variables, fmu::Host& host, std::int64_t start_ns, const scene::Scene& scene)
       : world_(
             scene, variables.parameters, variables.inputs, variables.outputs, drones_of(variables, scene, host),
-            [&host](std::string_view event) { host.log(fmu::Severity::info, "events", event); }, start_ns) {}
+            [&host](std::string_view event) { host.log(fmu::Severity::info, "events", event); }, start_ns,
+            read_networks(variables.parameters.downwash_networks)) {}
 
   static scene::Scene read_scene(const Parameters& parameters, const fmu::Host& host) {
     return scene::load_scene(data::find_file(host.resources() / "scenes", parameters.scene_name, "scene.name"));
@@ -41,6 +46,17 @@ class Binding final : public fmu::Model {
   static scene::Drone read_drone(const std::string& name, const scene::Scene& scene, const fmu::Host& host) {
     if (name.empty()) return scene.drone;
     return scene::load_drone(data::find_file(host.resources() / "drones", name, "drone.name"));
+  }
+
+  static std::optional<scene::DownwashNetworks> read_networks(const std::string& file) {
+    if (file.empty()) return {};
+    if (!is_file(file)) {
+      throw Error(ErrorCode::file_not_found,
+                  fmt::format("downwash.networks = \"{}\": there is no such file. Write one from your copy of the "
+                              "networks with scripts/downwash_networks.py, or leave the parameter empty",
+                              file));
+    }
+    return scene::load_downwash_networks(file);
   }
 
   static std::vector<DroneSetup> drones_of(Variables& variables, const scene::Scene& scene, const fmu::Host& host) {

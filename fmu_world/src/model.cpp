@@ -61,7 +61,8 @@ std::shared_ptr<const camera::Scenery> scenery_of(const scene::Scene& scene, con
 }  // namespace
 
 World::World(scene::Scene scene, const Parameters& parameters, const Inputs& inputs, Outputs& outputs,
-             std::vector<DroneSetup> drones, EventLog log, std::int64_t start_ns)
+             std::vector<DroneSetup> drones, EventLog log, std::int64_t start_ns,
+             std::optional<scene::DownwashNetworks> downwash_networks)
     : scene_(std::move(scene)),
       in_(parameters),
       inputs_(inputs),
@@ -88,7 +89,11 @@ World::World(scene::Scene scene, const Parameters& parameters, const Inputs& inp
       throw Error(error.code(), name + ": " + error.what());
     }
   }
-  downwash_n_.resize(drones_.size());
+  downwash_.resize(drones_.size());
+  if (downwash_networks) networks_.emplace(std::move(*downwash_networks));
+  if (networks_ && in_.downwash_strength == 0.0) {
+    log_("downwash.networks has no effect, because downwash.strength is 0; set it to 1");
+  }
   touched_.resize(robots_.count());
   if (has_others(drones_.size(), robots_.count())) {
     for (const auto& drone : drones_) boxes_.push_back(drone->box());
@@ -146,7 +151,7 @@ void World::inner_step(std::int64_t begin_ns, std::int64_t end_ns, double dt_s) 
   gust_W_m_per_s_ = gusts_.at(begin_ns);
   const Eigen::Vector3d wind_W_m_per_s = Eigen::Vector3d(inputs_.wind_velocity_m_per_s.data()) + gust_W_m_per_s_;
   if (in_.downwash_strength > 0.0) find_downwash();
-  for_each_drone([&](Drone& drone, std::size_t i) { drone.push(wind_W_m_per_s, downwash_n_[i]); });
+  for_each_drone([&](Drone& drone, std::size_t i) { drone.push(wind_W_m_per_s, downwash_[i]); });
   move_robots();
   bodies_.step(dt_s, begin_ns);
   for_each_drone([](Drone& drone, std::size_t) { drone.move(); });
@@ -160,12 +165,25 @@ void World::inner_step(std::int64_t begin_ns, std::int64_t end_ns, double dt_s) 
 
 void World::find_downwash() {
   for (std::size_t i = 0; i < drones_.size(); ++i) {
+    downwash_[i] = {};
+    if (networks_) {
+      downwash_[i].up_W_n = in_.downwash_strength * networks_force_W_n(i);
+      continue;
+    }
     const Eigen::Vector3d& below_W_m = drones_[i]->state().p_WB_m;
-    downwash_n_[i] = 0.0;
     for (const auto& above : drones_) {
-      downwash_n_[i] += in_.downwash_strength * downwash(above->state().p_WB_m - below_W_m, above->rotor_radius_m());
+      downwash_[i].down_B_n +=
+          in_.downwash_strength * downwash(above->state().p_WB_m - below_W_m, above->rotor_radius_m());
     }
   }
+}
+
+double World::networks_force_W_n(std::size_t drone) {
+  networks_->begin(drones_[drone]->state());
+  for (std::size_t i = 0; i < drones_.size(); ++i) {
+    if (i != drone) networks_->add(drones_[i]->state());
+  }
+  return networks_->force_W_n();
 }
 
 void World::move_robots() {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "drone.hpp"
+#include "dynamics/neural_downwash.hpp"
 #include "dynamics/rigid_world.hpp"
 #include "fmu_world/variables.hpp"
 #include "mebots/state/visitor.hpp"
@@ -11,6 +12,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -28,9 +30,11 @@ namespace mebots::world {
 class World {
  public:
   /// Places the drones at their starts and writes the first outputs. Parameters, inputs and outputs must outlive the
-  /// world. Throws mebots::Error for invalid values.
+  /// world. Throws mebots::Error for invalid values. The contents of the file `downwash.networks` replace the formula
+  /// of downwash().
   World(scene::Scene scene, const Parameters& parameters, const Inputs& inputs, Outputs& outputs,
-        std::vector<DroneSetup> drones, EventLog log, std::int64_t start_ns);
+        std::vector<DroneSetup> drones, EventLog log, std::int64_t start_ns,
+        std::optional<scene::DownwashNetworks> downwash_networks = {});
 
   void step(std::int64_t start_ns, std::int64_t duration_ns);
 
@@ -48,6 +52,7 @@ class World {
   void check_wind() const;
   void inner_step(std::int64_t begin_ns, std::int64_t end_ns, double dt_s);
   void find_downwash();
+  double networks_force_W_n(std::size_t drone);
   void move_robots();
   void note_touches();
   void take_states(std::int64_t time_ns);
@@ -70,7 +75,8 @@ class World {
   std::vector<scene::Solid> boxes_;  // of the drones, then the parts of the robots; empty with one drone and no robot
   std::vector<RigidState> states_;   // of drones and robots, likewise
   std::vector<bool> touched_;        // robots that touched something in this step
-  std::vector<double> downwash_n_;   // on each drone
+  std::optional<NeuralDownwash> networks_;
+  std::vector<DownwashForce> downwash_;  // on each drone
   Eigen::Vector3d gust_W_m_per_s_ = Eigen::Vector3d::Zero();
 };
 

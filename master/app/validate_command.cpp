@@ -22,6 +22,7 @@
 #include "board/board_file.hpp"
 #endif
 #ifdef MEBOTS_HAS_world
+#include "scene/downwash_networks.hpp"
 #include "scene/load.hpp"
 #endif
 
@@ -73,6 +74,7 @@ constexpr FileKind kKinds[] = {
      }},
 #endif
 #ifdef MEBOTS_HAS_world
+    {"downwash", [](const Path& file) { static_cast<void>(world::scene::load_downwash_networks(file)); }},
     {"drone", [](const Path& file) { static_cast<void>(world::scene::load_drone(file)); }},
     {"scene", [](const Path& file) { static_cast<void>(world::scene::load_scene(file)); }},
 #endif

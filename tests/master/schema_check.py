@@ -280,12 +280,13 @@ SHIPPED = {
     "converters": (["fmu_battery/params/converters.json"], "fmu_battery/params/converters.json"),
     "rotor": (["fmu_motors/params/rotors/*.json"], "fmu_motors/params/rotors/crazyflie_l250.json"),
     "drone": (["fmu_world/params/drones/*.json"], "fmu_world/params/drones/crazyflie.json"),
+    "downwash": (["tests/world/dynamics/*.json"], "tests/world/dynamics/downwash.json"),
     "airframe": (["configs/airframes/*.json"], "configs/airframes/crazyflie_21.json"),
     "log-mapping": (["configs/logs/*.json"], "configs/logs/nanobench.json"),
     "scene": (["fmu_world/params/scenes/*.json"], ["fmu_world/params/scenes/gate_easy.json", "fmu_world/params/scenes/yard.json"]),
     "cases": (["fmu_*/reference/*.mebots-test.json"], None),
     "study": (
-        ["examples/exploration/*.json"],
+        ["examples/exploration/*.json", "examples/relay/study.json"],
         ["examples/exploration/study.json", "examples/exploration/gust.json", "examples/exploration/rare.json"],
     ),
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "support/allocations.hpp"
-#include "support/flight_rig.hpp"
+#include "support/fleet.hpp"
 
 #include <gtest/gtest.h>
 
@@ -66,6 +66,21 @@ TEST(WorldHeap, SensorsThatAreSwitchedOnAllocateNothing) {
     rig.inputs.camera_trigger = i;
     rig.run(0.05);
   }
+  EXPECT_EQ(allocations(), before);
+}
+
+TEST(WorldHeap, NetworksOfDownwashAllocateNothing) {
+  auto parameters = test::FlightRig::small_camera();
+  parameters.downwash_strength = 1.0;
+  scene::DownwashNetworks networks;
+  networks.force_per_output_n = 1e-3;
+  networks.phi = {{6, 2, std::vector<double>(12, 0.1), {0.0, 0.1}}};
+  networks.phi_ground = {{4, 2, std::vector<double>(8, 0.1), {0.0, 0.1}}};
+  networks.rho = {{2, 3, std::vector<double>(6, 0.1), {0.0, 0.1, 0.2}}, {3, 1, {0.1, 0.2, 0.3}, {0.0}}};
+  test::Fleet fleet(test::shipped_scene("empty"), parameters, {{0.0, 0.0, 5.0}, {0.1, 0.0, 6.0}}, networks);
+  fleet.step();
+  const long before = allocations();
+  for (int i = 0; i < 100; ++i) fleet.world.step(fleet.time_ns + 2'000'000 * i, 2'000'000);
   EXPECT_EQ(allocations(), before);
 }
 

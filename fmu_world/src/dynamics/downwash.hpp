@@ -7,6 +7,12 @@
 
 namespace mebots::world {
 
+/// Forces of other drones' air on a drone.
+struct DownwashForce {
+  double down_B_n = 0.0;  ///< along the body's -z axis
+  double up_W_n = 0.0;    ///< along the world's z axis
+};
+
 /// Returns the force [N] that the air of an upper drone exerts on a lower drone, along the lower drone's -z axis. The
 /// model and its numbers, which were measured on Crazyflies, are from gym-pybullet-drones (Panerati et al., IROS 2021):
 ///

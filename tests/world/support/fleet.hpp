@@ -7,7 +7,9 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace mebots::world::test {
@@ -16,13 +18,14 @@ namespace mebots::world::test {
 class Fleet {
  public:
   /// `offsets_m` contains start.offset of each drone.
-  Fleet(const scene::Scene& scene, const RigParameters& common, const std::vector<std::array<double, 3>>& offsets_m)
+  Fleet(const scene::Scene& scene, const RigParameters& common, const std::vector<std::array<double, 3>>& offsets_m,
+        std::optional<scene::DownwashNetworks> networks = {})
       : shared(common),
         drones(drones_at(common, offsets_m)),
         rotors(drones.size(), Rotors(scene.drone)),
         world(
             scene, shared, inputs, outputs, setups(scene, drones),
-            [this](std::string_view text) { events.emplace_back(text); }, 0) {}
+            [this](std::string_view text) { events.emplace_back(text); }, 0, std::move(networks)) {}
 
   void step(std::int64_t h_ns = 2'000'000) {
     std::vector<std::array<double, 4>> commands;
