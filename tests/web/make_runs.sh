@@ -15,10 +15,15 @@ models=(motors.rotor_data=crazyflie_bench motors.bus.resistance=0 battery.cell.n
 "$mebots" run "$configs/battery_motors.json" --quiet --stop-time 40 --out "$out/long" # too many rows for a page
 "$mebots" run "$configs/hover_16.json" --quiet --stop-time 2 --out "$out/swarm" --set "world.drone[3].start.offset.y=0.2" \
   "battery[7].cell.initial_state_of_charge=0.5"
+here=$(dirname "$0")
+"$mebots" run "$here/robots.json" --quiet --out "$out/robots"
+"$mebots" run "$here/robots_not_recorded.json" --quiet --out "$out/robots_not_recorded"
 "$mebots" report "$out/flight"
 "$mebots" report "$out/long" --detail 20:21
 "$mebots" report "$out/system"
 "$mebots" report "$out/swarm"
+"$mebots" report "$out/robots"
+"$mebots" report "$out/robots_not_recorded"
 "$mebots" report "$out/flight" "$out/fast" --out "$out/beside.html"
 "$mebots" report "$out/short" "$out/flight" --out "$out/lengths.html"
 "$soc" run "$program" --board ai_deck --page "$out/chip.html" --json "$out/chip.json" >"$out/chip.txt"

@@ -6,15 +6,13 @@ Usage: mcap_check.py MEBOTS RUN_DIR OUT.mcap
 """
 
 import base64
-import collections
 import csv
-import json
 import math
 import os
 import subprocess
 import sys
 
-from mcap.reader import make_reader
+from mcap_messages import messages_of
 
 mebots, run, out = sys.argv[1:]
 subprocess.run([mebots, "report", run, "--out", out + ".html", "--mcap", out], check=True, env=os.environ | {"MEBOTS_PYTHON": sys.executable})
@@ -27,13 +25,7 @@ def column(name):
     return [float(row[place]) for row in rows]
 
 
-messages = collections.defaultdict(list)
-with open(out, "rb") as file:
-    reader = make_reader(file, validate_crcs=True)
-    for schema, channel, message in reader.iter_messages():
-        assert schema.encoding == "jsonschema" and channel.message_encoding == "json", channel.topic
-        json.loads(schema.data)
-        messages[channel.topic].append((schema.name, message.log_time, json.loads(message.data)))
+messages = messages_of(out)
 
 for topic, of_topic in messages.items():
     times = [time for _, time, _ in of_topic]

@@ -553,11 +553,78 @@ const swarmTests = {
     }
   },
 
+  async "the scene shows all drones at first, and events that all have are one mark"({ page }) {
+    const pressed = () => page.$$eval(".tools button[aria-pressed=true]", (buttons) => buttons.map((button) => button.textContent));
+    assert.deepEqual(await pressed(), ["free"]);
+    const marks = await page.$$eval(".mark:not(.quiet) span", (words) => words.map((word) => word.textContent));
+    assert.ok(marks.includes("16 \u00d7 take-off"), marks.join(", "));
+    assert.deepEqual(await page.$$eval(".legend button", (buttons) => buttons.map((button) => button.textContent)), Array.from({ length: 16 }, (_, i) => `${i + 1}`));
+    await page.click('.legend button[title="Follow drone[3]"]');
+    assert.deepEqual(await pressed(), ["follow"]);
+  },
+
   async "a click on a drone lets the camera follow it"({ page }) {
     await page.click('.drones [data-body="drone[7]"]');
     assert.deepEqual(await page.$$eval(".drones tr.chosen", (rows) => rows.map((row) => row.cells[0].textContent)), ["drone[7]"]);
   },
 };
+
+const ROBOT_TIMES = [0, 1, 2];
+
+/** `bare` contains the pixels of the same run without the poses of its robots. */
+const robotTests = (bare) => ({
+  async "robots are drawn where they were recorded, and not without their poses"({ page }) {
+    for (const time of ROBOT_TIMES) {
+      const found = changedParts(await pixelsFromAbove(page, time), bare.get(time));
+      assert.equal(found.length, 2, JSON.stringify(found));
+      for (const robot of [1, 2]) {
+        const [x, y] = ["x", "y"].map((axis) => valueAt("robots", `world.robot[${robot}].place.${axis}`, time));
+        const heading = valueAt("robots", `world.robot[${robot}].heading`, time);
+        const part = found.find(({ centre: [, v] }) => v > 0 === y > 0);
+        // The roof is 0.3 m long and 0.24 m wide. The wheels are below it, inside these sides.
+        assert.ok(Math.hypot(part.centre[0] - x, part.centre[1] - y) < 0.02, `robot ${robot} is at ${part.centre}, not ${[x, y]}`);
+        const [cos, sin] = [Math.abs(Math.cos(heading)), Math.abs(Math.sin(heading))];
+        const wanted = [0.3 * cos + 0.24 * sin, 0.3 * sin + 0.24 * cos];
+        part.size.forEach((size, axis) => assert.ok(Math.abs(size - wanted[axis]) < 0.03, `robot ${robot} is ${part.size} large, not ${wanted}`));
+      }
+    }
+  },
+});
+
+/** Shows a moment from above. Returns the pixels of the scene as numbers, with the place of a pixel on the roofs of robots [m]. The camera is above the
+ * middle of the drone's path, at 1.35 times the scene's size, which is 2 m for a drone that does not move. */
+async function pixelsFromAbove(page, time) {
+  await setTime(page, time);
+  await page.keyboard.press("3");
+  await frame(page);
+  await frame(page);
+  const { width, height, pixels } = await page.evaluate(() => {
+    const shown = document.querySelector("#scene");
+    const copy = document.createElement("canvas");
+    [copy.width, copy.height] = [shown.width, shown.height];
+    const context = copy.getContext("2d");
+    context.drawImage(shown, 0, 0);
+    return { width: copy.width, height: copy.height, pixels: Array.from(new Uint32Array(context.getImageData(0, 0, copy.width, copy.height).data.buffer)) };
+  });
+  const [x, y, z] = ["x", "y", "z"].map((axis) => valueAt("robots", `world.drone[1].position.${axis}`, time));
+  const metres = (2 * Math.tan((42 / 2) * (Math.PI / 180)) * (z + 1.35 * 2 - 0.12)) / height;
+  return { width, height, pixels, metres, place: (column, row) => [x + (height / 2 - row) * metres, y + (width / 2 - column) * metres] };
+}
+
+/** Returns centre and size of the left and of the right half's pixels that differ. */
+function changedParts(a, b) {
+  assert.deepEqual([a.width, a.height], [b.width, b.height]);
+  const halves = [true, false].map((left) => {
+    const places = [];
+    for (let i = 0; i < a.pixels.length; ++i) {
+      const [column, row] = [i % a.width, Math.floor(i / a.width)];
+      if (column < a.width / 2 === left && a.pixels[i] !== b.pixels[i]) places.push(a.place(column + 0.5, row + 0.5));
+    }
+    const range = (axis) => [Math.min(...places.map((place) => place[axis])), Math.max(...places.map((place) => place[axis]))];
+    return places.length === 0 ? null : { ranges: [range(0), range(1)] };
+  });
+  return halves.filter(Boolean).map(({ ranges }) => ({ centre: ranges.map(([low, high]) => (low + high) / 2), size: ranges.map(([low, high]) => high - low + a.metres) }));
+}
 
 const chipReport = () => JSON.parse(readFileSync(join(runs, "chip.json"), "utf8"));
 const close = (text, wanted) => assert.ok(Math.abs(numberOf(text) - wanted) <= 1e-3 * Math.abs(wanted), `${text}, not ${wanted}`);
@@ -665,6 +732,11 @@ try {
   await check(browser, join(runs, "beside.html"), besideTests);
   await check(browser, join(runs, "lengths.html"), lengthsTests);
   await check(browser, pageOf("swarm"), swarmTests);
+  const { page: other } = await open(browser, pageOf("robots_not_recorded"));
+  const bare = new Map();
+  for (const time of ROBOT_TIMES) bare.set(time, await pixelsFromAbove(other, time));
+  await other.close(); // a page in the background draws nothing
+  await check(browser, pageOf("robots"), robotTests(bare));
   await check(browser, join(runs, "chip.html"), chipTests);
   const size = statSync(pageOf("flight")).size;
   if (size > 3e6) {

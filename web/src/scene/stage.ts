@@ -96,7 +96,7 @@ export class Stage {
     clock.onTime(() => this.showMoment());
     onTheme(() => this.ask());
     this.setColour(0);
-    this.setLook("follow");
+    this.setLook(this.hasManyBodies ? "free" : "follow");
   }
 
   /** Resolves after the first drawing of the scene. */
@@ -108,17 +108,23 @@ export class Stage {
     this.look = look;
     for (const [name, button] of this.buttons) button.setAttribute("aria-pressed", String(name === look));
     const place = this.flight.body.position(this.clock.time);
-    const bounds = new THREE.Box3().setFromArray(Array.from(this.flight.body.path()));
+    const bounds = new THREE.Box3();
+    for (const { body } of this.hasManyBodies ? this.flights : [this.flight]) bounds.union(new THREE.Box3().setFromArray(Array.from(body.path())));
     for (const label of this.labels) bounds.expandByPoint(label.place);
     const middle = bounds.getCenter(new THREE.Vector3());
-    const span = Math.max(2, bounds.getSize(new THREE.Vector3()).length());
+    const size = bounds.getSize(new THREE.Vector3());
+    const span = Math.max(2, size.length());
     if (look === "follow") {
       this.controls.target.copy(place).add(AHEAD);
       this.followed.copy(place);
       this.camera.position.copy(place).add(BEHIND);
     } else if (look === "free") {
       this.controls.target.copy(middle);
-      this.camera.position.copy(middle).add(new THREE.Vector3(-0.35 * span, -0.85 * span, 0.62 * span));
+      // From the south, a row of bodies along y would be small.
+      const offset = this.hasManyBodies && size.y > 2 * size.x ? new THREE.Vector3(-0.75, -0.2, 0.45) : new THREE.Vector3(-0.35, -0.85, 0.62);
+      this.camera.position.copy(middle).add(offset.multiplyScalar(span));
+      // The list of bodies is at the bottom. A target below the ground would hide the ground.
+      if (this.hasManyBodies) this.controls.target.z = Math.max(middle.z - 0.08 * span, Math.min(middle.z, 0.05));
     } else if (look === "top") {
       this.controls.target.copy(middle);
       this.camera.position.copy(middle).add(new THREE.Vector3(-0.001, 0, 1.35 * span));
@@ -150,6 +156,11 @@ export class Stage {
     }
   }
 
+  /** True for several bodies of one run, false for the first bodies of several runs. */
+  private get hasManyBodies(): boolean {
+    return this.flights.length > 1 && this.flights.every(({ run }) => run === this.flights[0].run);
+  }
+
   private get flight(): Flight {
     return this.flights[this.chosen];
   }
@@ -166,7 +177,7 @@ export class Stage {
   choose(index: number): void {
     this.chosen = index;
     this.flights.forEach(({ body }, i) => body.setChosen(i === index));
-    this.setLook(this.look);
+    this.setLook(this.look === "onboard" ? "onboard" : "follow");
     for (const listener of this.choiceListeners) listener();
   }
 
@@ -188,16 +199,24 @@ export class Stage {
     return tools;
   }
 
+  /** Returns the numbers of many bodies whose names differ in their numbers only, such as drone[3]. Otherwise returns null. */
+  private numbersOfNames(): string[] | null {
+    const parts = this.flights.map(({ name }) => /^(.*)\[(\d+)\]$/.exec(name));
+    const fits = this.flights.length > 6 && parts.every((part) => part !== null && part[1] === parts[0]![1]);
+    return fits ? parts.map((part) => part![2]) : null;
+  }
+
   private setColour(index: number): void {
     const chosen = this.colours[index];
     this.chosenColour = index;
     this.legend.replaceChildren();
     if (!chosen || this.flights.length !== 1) {
-      const isOneRun = this.flights.every(({ run }) => run === this.flights[0]?.run);
+      const numbers = this.hasManyBodies ? this.numbersOfNames() : null;
+      if (numbers) this.legend.append("follow:");
       this.legend.append(...this.flights.map(({ name }, i) => {
         const swatch = element("i", { class: "swatch" });
         swatch.style.background = colour(i);
-        return isOneRun ? element("button", { class: "value", title: `Follow ${name}`, onclick: () => this.choose(i) }, swatch, name)
+        return this.hasManyBodies ? element("button", { class: "value", title: `Follow ${name}`, onclick: () => this.choose(i) }, swatch, numbers?.[i] ?? name)
           : element("span", { class: "value" }, swatch, name);
       }));
       return;

@@ -28,7 +28,10 @@ export function makeTimeline(run: Run, clock: Clock, window: Window): HTMLElemen
   const whole = new Window(clock.end);
   makeScrubbable(track, clock, window, { drag: "moves", along: whole });
   const showMarks = () => {
-    const tags = run.marks.map((mark) => makeMark(mark, clock));
+    const marks = run.marks;
+    const counts = new Map<string, number>();
+    for (const mark of marks) counts.set(keyOf(mark), (counts.get(keyOf(mark)) ?? 0) + 1);
+    const tags = marks.map((mark) => makeMark(mark, counts.get(keyOf(mark))!, clock));
     markArea.replaceChildren(...tags);
     keepApart(tags, track.getBoundingClientRect().left - MARGIN);
   };
@@ -89,14 +92,29 @@ export function nextSpeed(speed: number, direction: number): number {
   return SPEEDS[Math.min(Math.max(place + direction, 0), SPEEDS.length - 1)];
 }
 
-function makeMark(message: Message, clock: Clock): HTMLElement {
+/** Splits the text of an event of one of several bodies, such as "drone[3]: t = 0.1 s: take-off", into its name and the event. */
+function partsOf(message: Message): { who: string; what: string } {
+  const [, who, rest] = /^(\w+\[\d+\]): (.*)$/s.exec(message.text) ?? [null, "", message.text];
+  return { who, what: shortText({ ...message, text: rest }).split(/[:;,]/)[0] };
+}
+
+/** Bodies have the same event if it has the same text at the same time. */
+function keyOf(message: Message): string {
+  const { who, what } = partsOf(message);
+  return who === "" ? "" : `${message.time} ${what}`;
+}
+
+/** `count`: number of bodies with this event. */
+function makeMark(message: Message, count: number, clock: Clock): HTMLElement {
+  const { who, what } = partsOf(message);
+  const words = who === "" ? what : count > 1 ? `${count} \u00d7 ${what}` : `${who}: ${what}`;
   const mark = element("button", {
     class: `mark ${message.severity}`,
     title: `${shownTime(message.time!)} · ${message.instance}: ${message.text}`,
     "aria-label": message.text,
     onclick: () => clock.set(message.time!),
     onpointerdown: (event) => event.stopPropagation(),
-  }, element("span", {}, shortText(message).split(/[:;,]/)[0]));
+  }, element("span", {}, words));
   mark.style.left = `${clock.end > 0 ? (100 * message.time!) / clock.end : 0}%`;
   return mark;
 }
