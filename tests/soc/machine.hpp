@@ -24,12 +24,14 @@ struct MachineSettings {
   unsigned pmp_entries = 0;
 };
 
-/// Simulates a hart with 1 MiB of RAM at 0x80000000 and 4 KiB at 0x70000000, without devices. A store into `tohost`
-/// ends a program.
+/// Simulates a hart with 1 MiB of RAM at 0x80000000 and 4 KiB at 0x70000000. A store into `tohost` ends a program. The
+/// only device has two registers with the number of the cycle. The load of the first one is quiet: see Bus.
 class Machine : private Bus {
  public:
   static constexpr std::uint32_t kRam = 0x80000000;
   static constexpr std::uint32_t kSmallRam = 0x70000000;
+  static constexpr std::uint32_t kQuietClock = 0x40000000;
+  static constexpr std::uint32_t kClock = 0x40000004;
 
   explicit Machine(const Elf& program, const MachineSettings& settings = {});
   Machine(const Elf& program, CoreKind kind) : Machine(program, MachineSettings{.kind = kind}) {}
@@ -49,7 +51,15 @@ class Machine : private Bus {
 
  private:
   static Memory make_memory();
-  BusReply load(std::uint32_t, std::uint64_t) override { return {}; }
+  BusReply load(std::uint32_t address, std::uint64_t cycle) override {
+    return address == kClock ? BusReply::done(static_cast<std::uint32_t>(cycle), 2) : BusReply{};
+  }
+  BusReply load_quietly(std::uint32_t address, std::uint64_t cycle, unsigned size) noexcept override {
+    if (address != kQuietClock || size != 4) return {};
+    auto reply = BusReply::done(static_cast<std::uint32_t>(cycle), 3);
+    reply.is_quiet = true;
+    return reply;
+  }
   BusReply store(std::uint32_t, std::uint64_t, std::uint32_t) override { return {}; }
   bool watched(std::uint32_t address) override { return word(address & ~3U) != 0; }
 

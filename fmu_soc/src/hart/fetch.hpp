@@ -22,8 +22,12 @@ class Fetch {
   bool is_cached() const { return cache_ != nullptr; }
   const InstructionCache* cache() const { return cache_; }
   void flush();
-  /// Fetches the cache lines of an instruction. The core reaches this instruction in active cycle `cycle`. Returns the
-  /// wait cycles.
+  /// Undoes refills of translated code: see InstructionCache. Returns the cycles that they have waited.
+  std::uint32_t undo_refills(std::uint32_t lines) {
+    MEBOTS_ASSERT(is_cached());
+    return cache_->undo_refills(lines) * cache_->refill_cycles();
+  }
+  /// Fetches the cache lines of an instruction that the core reaches in active cycle `cycle`. Returns the wait cycles.
   std::uint32_t fetch_lines(const Instruction* at, std::uint64_t cycle);
   /// Returns true if `at` is in the cache line in which the previous instruction `before` ends.
   bool shares_line(const Instruction* before, const Instruction* at) const {

@@ -158,6 +158,7 @@ void emit_quiet_load(Assembler& c, const Instruction* at, unsigned size, const B
   Label rare;
   Label too_late;
   c.cycles.jump_if_stalled(at, block.stalled_by, rare);
+  c.fetches.undo_after(at);  // the device needs the cycle of this instruction
   c.lea(ecx, ptr[rax + static_cast<std::int32_t>(c.ram[0].base)]);
   c.mov(edx, at->cycles_before + c.cycles.waits_before(at));
   c.mov(eax, size);
@@ -171,6 +172,7 @@ void emit_quiet_load(Assembler& c, const Instruction* at, unsigned size, const B
   // The code at the end of the block counts a wait for the first memory, which a load from a device does not have.
   if (c.ram[0].wait_cycles != 0) c.add(r15, c.ram[0].wait_cycles);
   c.inc(qword[rbx + static_cast<int>(offsetof(Execution, counters.device_accesses))]);
+  c.fetches.repeat_after(at);
   take(rbx + translate::offset_of_host(offsetof(HostState, loaded)));
   c.jmp(done, kNear);
   c.L(too_late);

@@ -17,16 +17,19 @@ namespace {
 /// memory. Translated code can then address them with one instruction less, relative to the memory.
 constexpr std::size_t kLeastPresenceBytes = std::size_t{256} << 10;
 
-/// Shifts to the left, and sets bit 0 if an even number of the bits 7, 3, 2 and 1 is set.
-constexpr auto kNextShift = [] {
+/// The values of the shift register from 0 on. It shifts to the left; bit 0 becomes 1 if an even number of bits 7, 3, 2
+/// and 1 is set.
+constexpr auto kShifted = [] {
   constexpr unsigned kTaps = 0x8e;
-  std::array<std::uint8_t, 256> next{};
-  for (unsigned value = 0; value < next.size(); ++value) {
-    const auto even = static_cast<unsigned>(~std::popcount(value & kTaps) & 1);
-    next[value] = static_cast<std::uint8_t>(value << 1 | even);
+  std::array<std::uint8_t, InstructionCache::kShiftPeriod> values{};
+  for (std::size_t i = 1; i < values.size(); ++i) {
+    const unsigned last = values[i - 1];
+    const auto even = static_cast<unsigned>(~std::popcount(last & kTaps) & 1);
+    values[i] = static_cast<std::uint8_t>(last << 1 | even);
   }
-  return next;
+  return values;
 }();
+static_assert(kShifted.back() == 0x80, "after all values, the register is 0 again");
 
 }  // namespace
 
@@ -36,17 +39,26 @@ InstructionCache::InstructionCache(const InstructionCacheSettings& settings, Use
       set_mask_(settings.size / settings.line / settings.ways - 1),
       refill_cycles_(settings.refill_cycles),
       invalid_ways_first_(settings.invalid_ways_first),
-      entries_(settings.size / settings.line, Entry{&nowhere_, kNoLine}),
+      entries_(settings.size / settings.line, kNone),
       arrivals_(users == Users::several ? entries_.size() : 0),
       is_alone_(users == Users::one) {
   MEBOTS_ASSERT(!settings.invalid_ways_first || users == Users::several, "translated code asks the register alone");
-  state_.entries = entries_.data();
-  state_.next_shift = kNextShift;
+  for (std::size_t i = 0; i < state_.way_offsets.size(); ++i) {
+    const auto way = kShifted[(i + 1) % kShiftPeriod] >> kWayBit & (ways_ - 1);
+    state_.way_offsets[i] = static_cast<std::uint32_t>(way * sets() * sizeof(std::uint32_t));
+  }
+}
+
+std::uint8_t InstructionCache::shift_register() const {
+  return kShifted[state_.shifts];
 }
 
 void InstructionCache::cover(const Memory& memory) {
-  presence_.clear();
+  note_absent();
+  for (auto& entry : entries_) entry = kNone;
+  memories_.clear();
   covered_count_ = 0;
+  std::uint32_t number = kNone + 1;
   for (const auto& region : memory.regions()) {
     for (const auto& other : memory.regions()) {
       if (&other != &region && line_of(other.base) <= line_of(region.base + (region.size - 1)) &&
@@ -57,55 +69,61 @@ void InstructionCache::cover(const Memory& memory) {
                         region.name, other.name, 4 * words_per_line()));
       }
     }
-    Presence presence;
-    presence.base = region.base;
-    presence.size = region.size;
-    presence.first_line = line_of(region.base);
-    presence.count = line_of(region.base + (region.size - 1)) - presence.first_line + 1;
-    presence.bytes =
-        std::make_unique_for_overwrite<std::uint8_t[]>(std::max<std::size_t>(presence.count, kLeastPresenceBytes));
-    std::fill_n(presence.bytes.get(), presence.count, std::uint8_t{0});
-    presence_.push_back(std::move(presence));
+    Covered covered;
+    covered.base = region.base;
+    covered.size = region.size;
+    covered.first_line = line_of(region.base);
+    covered.count = line_of(region.base + (region.size - 1)) - covered.first_line + 1;
+    covered.first_number = number;
+    number += covered.count;
+    memories_.push_back(covered);
   }
-  note_present();
+  // Translated code reads the bytes of a whole group of lines at once.
+  const std::size_t count = number + kMostGrouped;
+  present_ = std::make_unique_for_overwrite<std::uint8_t[]>(std::max(count, kLeastPresenceBytes));
+  std::fill_n(present_.get(), count, std::uint8_t{0});
 }
 
 const std::uint8_t* InstructionCache::presence(std::uint32_t address) const {
-  for (const auto& presence : presence_) {
-    if (address - presence.base < presence.size) return &presence.bytes[line_of(address) - presence.first_line];
+  for (const auto& memory : memories_) {
+    if (address - memory.base < memory.size)
+      return &present_[memory.first_number + (line_of(address) - memory.first_line)];
   }
   return nullptr;
 }
 
-void InstructionCache::cover_line(std::uint32_t line) {
-  for (const auto& presence : presence_) {
-    if (line - presence.first_line >= presence.count) continue;
-    covered_ = presence.bytes.get();
-    covered_first_ = presence.first_line;
-    covered_count_ = presence.count;
-    return;
+std::uint32_t InstructionCache::number_elsewhere(std::uint32_t line) const {
+  if (memories_.empty()) return kNotCovered | line;
+  for (const auto& memory : memories_) {
+    if (line - memory.first_line >= memory.count) continue;
+    covered_first_ = memory.first_line;
+    covered_count_ = memory.count;
+    covered_number_ = memory.first_number;
+    return memory.first_number + (line - memory.first_line);
   }
+  return kNone;
+}
+
+std::uint32_t InstructionCache::line_with(std::uint32_t number) const {
+  if (number >= kNotCovered) return number & ~kNotCovered;
+  for (const auto& memory : memories_) {
+    if (number - memory.first_number < memory.count) return memory.first_line + (number - memory.first_number);
+  }
+  return kNoLine;
 }
 
 void InstructionCache::note_absent() {
-  for (auto& entry : entries_) {
-    *entry.present = 0;
-    entry.present = &nowhere_;
-  }
+  for (const auto entry : entries_) set_present(entry, 0);
 }
 
 void InstructionCache::note_present() {
-  for (auto& entry : entries_) {
-    if (entry.line == kNoLine) continue;
-    entry.present = byte_of(entry.line);
-    *entry.present = 1;
-  }
+  for (const auto entry : entries_) set_present(entry, 1);
 }
 
 void InstructionCache::note_arrivals(std::uint64_t tick) {
   std::erase_if(pending_refills_, [&](std::size_t place) {
     if (arrivals_[place] > tick) return false;
-    *entries_[place].present = 1;
+    set_present(entries_[place], 1);
     return true;
   });
 }
@@ -114,7 +132,7 @@ void InstructionCache::set_alone(bool alone) {
   MEBOTS_ASSERT(is_shared());
   is_alone_ = alone;
   for (const auto place : pending_refills_)
-    *entries_[place].present = 0;  // a core that wakes up has not waited for these lines
+    set_present(entries_[place], 0);  // a core that wakes up has not waited for these lines
 }
 
 std::uint32_t InstructionCache::fetch(std::uint32_t line, std::uint64_t tick) {
@@ -129,22 +147,58 @@ std::uint32_t InstructionCache::fetch(std::uint32_t line, std::uint64_t tick) {
   return refill(line, tick);
 }
 
+std::uint32_t InstructionCache::undo_refills(std::uint32_t lines) {
+  MEBOTS_ASSERT(!is_shared() && (lines & ~state_.group_refilled) == 0);
+  const auto first_set = line_with(state_.group) & set_mask_;
+  auto shifts = state_.group_shifts;
+  for (auto left = state_.group_refilled; left != 0; left &= left - 1, ++shifts) {
+    const auto i = static_cast<std::uint32_t>(std::countr_zero(left));
+    if ((lines >> i & 1U) == 0) continue;
+    auto& entry = entries_[state_.way_offsets[shifts] / sizeof(std::uint32_t) + first_set + i];
+    MEBOTS_ASSERT(entry == state_.group + i, "each line of a group is in another set");
+    set_present(entry, 0);
+    entry = state_.group_evicted[i];
+    set_present(entry, 1);
+  }
+  state_.group_refilled &= ~lines;
+  const auto undone = static_cast<std::uint32_t>(std::popcount(lines));
+  state_.refills -= undone;
+  state_.shifts = (state_.shifts + kShiftPeriod - undone) % kShiftPeriod;
+  return undone;
+}
+
 void InstructionCache::flush() {
   note_absent();
-  for (auto& entry : entries_) entry.line = kNoLine;
+  std::fill(entries_.begin(), entries_.end(), kNone);
   std::fill(arrivals_.begin(), arrivals_.end(), 0);
   pending_refills_.clear();
 }
 
 void InstructionCache::visit(state::Visitor& v) {
-  if (v.restores()) note_absent();
-  v("entries", std::span(entries_));
-  if (v.restores()) note_present();
-  v("arrivals", std::span(arrivals_));
-  v("shift_register", state_.shift_register);
+  // In a state, entries are sorted by set, then by way.
+  std::vector<Entry> entries(entries_.size());
+  std::vector<std::uint64_t> arrivals(arrivals_.size());
+  const auto place_of = [this](std::size_t i) { return i % ways_ * sets() + i / ways_; };
+  for (std::size_t i = 0; i < entries.size(); ++i) entries[i].line = line_with(entries_[place_of(i)]);
+  for (std::size_t i = 0; i < arrivals.size(); ++i) arrivals[i] = arrivals_[place_of(i)];
+  auto register_value = shift_register();
+  v("entries", std::span(entries));
+  v("arrivals", std::span(arrivals));
+  v("shift_register", register_value);
   v("refills", state_.refills);
-  if (!v.restores() || !is_shared()) return;
-  pending_refills_.resize(entries_.size());  // lists all entries, because it is unknown which lines have arrived
+  if (!v.restores()) return;
+  const auto* value = std::find(kShifted.begin(), kShifted.end(), register_value);
+  if (value == kShifted.end())
+    throw Error(fmt::format("the state has {} in the shift register of an instruction cache", register_value));
+  state_.shifts = static_cast<std::uint32_t>(value - kShifted.begin());
+  note_absent();
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    entries_[place_of(i)] = entries[i].line == kNoLine ? kNone : number_of(entries[i].line);
+  }
+  note_present();
+  for (std::size_t i = 0; i < arrivals.size(); ++i) arrivals_[place_of(i)] = arrivals[i];
+  if (!is_shared()) return;
+  pending_refills_.resize(entries_.size());  // lists all lines, because it is not known here which have arrived
   std::iota(pending_refills_.begin(), pending_refills_.end(), std::size_t{0});
   set_alone(is_alone_);
 }

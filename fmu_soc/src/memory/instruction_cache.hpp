@@ -59,13 +59,15 @@ class InstructionCache {
   std::uint32_t ways() const { return ways_; }
 
   bool is_shared() const { return !arrivals_.empty(); }
+  /// Returns the number of consecutive lines, from this one on, that lie in consecutive sets.
+  std::uint32_t lines_before_first_set(std::uint32_t line) const { return set_mask_ + 1 - (line & set_mask_); }
 
   /// Returns true if the cache contains the line or is fetching it.
   bool holds(std::uint32_t line) const { return find(line) != nullptr; }
   /// Returns true if the cache contains the line, and the line has arrived for all cores.
   bool has_arrived(std::uint32_t line) const {
-    const auto* entry = find(line);
-    return entry != nullptr && *entry->present != 0;
+    const auto number = number_of(line);
+    return is_covered(number) && present_[number] != 0;
   }
   /// Returns the presence byte of the line that contains this address, or null if no covered memory contains the
   /// address. The byte is 1 if the line has arrived. The presence bytes of the next lines of the same memory follow
@@ -75,12 +77,11 @@ class InstructionCache {
   std::uint32_t fetch(std::uint32_t line, std::uint64_t tick);
   /// Fetches an absent line. Returns the number of cycles that the fetch waits.
   std::uint32_t refill(std::uint32_t line, std::uint64_t tick) {
-    const auto place = (line & set_mask_) * ways_ + way_for(line);
+    const auto place = place_for(line);
     auto& entry = entries_[place];
-    *entry.present = 0;
-    entry.present = byte_of(line);
-    entry.line = line;
-    *entry.present = is_alone_ ? 1 : 0;
+    set_present(entry, 0);
+    entry = number_of(line);
+    set_present(entry, is_alone_ ? 1 : 0);
     ++state_.refills;
     if (is_shared()) {
       arrivals_[place] = tick + refill_cycles_;
@@ -88,8 +89,10 @@ class InstructionCache {
     }
     return refill_cycles_;
   }
-  /// Only for a shared cache. Marks all lines that arrive at or before `tick` as present. Afterwards, no core may
-  /// access the cache in an earlier tick.
+  /// Undoes refills of the last group of lines that translated code has fetched. Bit i of `lines` is set if the refill
+  /// of the group's line i is undone. Each line before such a line must be kept. Returns the number of refills undone.
+  std::uint32_t undo_refills(std::uint32_t lines);
+  /// Informs a shared cache that no core will access it before this tick.
   void settle(std::uint64_t tick) {
     if (!pending_refills_.empty()) [[unlikely]]
       note_arrivals(tick);
@@ -102,65 +105,88 @@ class InstructionCache {
 
   void visit(state::Visitor& v);
 
-  /// Marks an empty entry; the last line of the address space contains no code.
-  static constexpr std::uint32_t kNoLine = ~std::uint32_t{0};
+  static constexpr std::uint32_t kNoLine = ~std::uint32_t{0};  // in a state: marks an empty entry; no code is there
+  /// Maximum number of lines that translated code fetches together.
+  static constexpr std::uint32_t kMostGrouped = 16;
+  /// Number of values of the shift register, which start at 0 and repeat.
+  static constexpr std::uint32_t kShiftPeriod = 255;
 
+  /// Stores what a refill changes. Translated code accesses it if the cache has one user. Covered lines have numbers
+  /// from 1 on. Consecutive lines of a memory have consecutive numbers.
+  struct State {
+    std::uint64_t refills = 0;
+    std::uint32_t shifts = 0;  // of the shift register, modulo kShiftPeriod
+    /// Offset [bytes] from an entry in way 0 to the entry in the way that the next refill replaces, by `shifts`. The
+    /// first values follow again at the end, so that the offsets of a group's refills are consecutive.
+    std::array<std::uint32_t, kShiftPeriod + kMostGrouped> way_offsets{};
+    // The last group with an absent line. Lines have bits, from the group's first line on.
+    std::uint64_t group_when = 0;                             // counts of translated code at that time
+    std::uint32_t group = 0;                                  // number of its first line
+    std::uint32_t group_refilled = 0;                         // lines that were absent
+    std::uint32_t group_shifts = 0;                           // `shifts` before the group
+    std::array<std::uint32_t, kMostGrouped> group_evicted{};  // lines that were replaced
+  };
+  State& state() { return state_; }
+  const State& state() const { return state_; }
+  std::uint8_t shift_register() const;
+  /// Returns the number of a covered line.
+  std::uint32_t number_of(std::uint32_t line) const {
+    if (line - covered_first_ >= covered_count_) return number_elsewhere(line);
+    return covered_number_ + (line - covered_first_);
+  }
+  /// Returns the presence bytes by number of the line.
+  const std::uint8_t* presence_by_number() const { return present_.get(); }
+  /// Returns the entry of way 0 in the set of a line: the number of the line that it holds.
+  const std::uint32_t* first_entry(std::uint32_t line) const { return &entries_[line & set_mask_]; }
+
+ private:
+  static constexpr std::uint32_t kNone = 0;  // number of no line; its presence byte has no meaning
+  /// Bit of the number of a line while no memory is covered.
+  static constexpr std::uint32_t kNotCovered = 1U << 31;
+  /// Bit of the shift register that is the lowest bit of the way to refill.
+  static constexpr unsigned kWayBit = 1;
+
+  /// An entry in a saved state.
   struct Entry {
-    std::uint8_t* present = nullptr;  // presence byte of `line`; follows from `line`
     std::uint32_t line = kNoLine;
 
     void visit(state::Visitor& v) { v("line", line); }
   };
-
-  /// Data that a refill changes. Translated code accesses them if the cache has one user.
-  struct State {
-    Entry* entries = nullptr;  // sorted by set, then by way
-    std::uint64_t refills = 0;
-    std::uint8_t shift_register = 0;
-    std::array<std::uint8_t, 256> next_shift{};  // next value of the shift register, for each value
-  };
-  /// After the shift register has advanced, the number of the way to refill starts at this bit.
-  static constexpr unsigned kWayBit = 1;
-  const State& state() const { return state_; }
-  /// Returns the byte offset of the first entry in the set of a line.
-  std::uint32_t first_of_set(std::uint32_t line) const {
-    return (line & set_mask_) * ways_ * static_cast<std::uint32_t>(sizeof(Entry));
-  }
-
- private:
-  const Entry* find(std::uint32_t line) const {
-    const auto* set = &entries_[std::size_t{line & set_mask_} * ways_];
-    for (std::uint32_t way = 0; way < ways_; ++way) {
-      if (set[way].line == line) return &set[way];
-    }
-    return nullptr;
-  }
-  struct Presence {
+  /// Describes the lines of one memory.
+  struct Covered {
     std::uint32_t base = 0;
     std::uint32_t size = 0;
     std::uint32_t first_line = 0;
     std::uint32_t count = 0;
-    std::unique_ptr<std::uint8_t[]> bytes;
+    std::uint32_t first_number = 0;
   };
 
-  std::uint32_t way_for(std::uint32_t line) {
-    if (!invalid_ways_first_) return next_way();
-    const auto* set = &entries_[std::size_t{line & set_mask_} * ways_];
-    for (std::uint32_t way = 0; way < ways_; ++way) {
-      if (set[way].line == kNoLine) return way;
+  static bool is_covered(std::uint32_t number) { return number != kNone && number < kNotCovered; }
+  void set_present(std::uint32_t number, std::uint8_t present) {
+    if (is_covered(number)) present_[number] = present;
+  }
+  std::uint32_t sets() const { return set_mask_ + 1; }
+  const std::uint32_t* find(std::uint32_t line) const {
+    const auto number = number_of(line);
+    if (number == kNone) return nullptr;
+    const auto* entry = first_entry(line);
+    for (std::uint32_t way = 0; way < ways_; ++way, entry += sets()) {
+      if (*entry == number) return entry;
     }
-    return next_way();
+    return nullptr;
   }
-  std::uint32_t next_way() {
-    state_.shift_register = state_.next_shift[state_.shift_register];
-    return (state_.shift_register >> kWayBit) & (ways_ - 1);
+  /// Returns the index of the entry that a refill of this line replaces.
+  std::size_t place_for(std::uint32_t line) {
+    const auto set = line & set_mask_;
+    for (std::uint32_t way = 0; invalid_ways_first_ && way < ways_; ++way) {
+      if (entries_[way * sets() + set] == kNone) return way * sets() + set;
+    }
+    const auto offset = state_.way_offsets[state_.shifts];
+    state_.shifts = state_.shifts + 1 == kShiftPeriod ? 0 : state_.shifts + 1;
+    return offset / sizeof(std::uint32_t) + set;
   }
-  /// Returns the presence byte of a line, or a dummy byte if no covered memory contains the line.
-  std::uint8_t* byte_of(std::uint32_t line) {
-    if (line - covered_first_ >= covered_count_) cover_line(line);
-    return line - covered_first_ < covered_count_ ? &covered_[line - covered_first_] : &nowhere_;
-  }
-  void cover_line(std::uint32_t line);
+  std::uint32_t number_elsewhere(std::uint32_t line) const;
+  std::uint32_t line_with(std::uint32_t number) const;
   void note_absent();
   void note_present();
   void note_arrivals(std::uint64_t tick);
@@ -170,19 +196,18 @@ class InstructionCache {
   std::uint32_t set_mask_;
   std::uint32_t refill_cycles_;
   bool invalid_ways_first_;
-  std::vector<Entry> entries_;
-  /// Tick in which the line of each entry arrives; empty if the cache has one user.
-  std::vector<std::uint64_t> arrivals_;
+  std::vector<std::uint32_t> entries_;   // numbers of lines, sorted by way, then by set
+  std::vector<std::uint64_t> arrivals_;  // tick in which each line arrives; empty if the cache has one user
   State state_;
-  // Presence bytes of each memory, and the memory that was found last. Not part of a state, because they can be
-  // computed from the entries.
-  std::vector<Presence> presence_;
-  std::uint8_t* covered_ = nullptr;
-  std::uint32_t covered_first_ = 0;
-  std::uint32_t covered_count_ = 0;
-  std::uint8_t nowhere_ = 0;
-  // Only for a shared cache: indices of the entries whose lines may not have arrived for all cores. May also contain
-  // entries whose lines have arrived. Not part of a state.
+  // These members are not part of a state. They are the covered memories, the memory that was found last, and the
+  // presence byte of each line, which follows from the entries.
+  std::vector<Covered> memories_;
+  mutable std::uint32_t covered_first_ = 0;
+  mutable std::uint32_t covered_count_ = 0;
+  mutable std::uint32_t covered_number_ = 0;
+  std::unique_ptr<std::uint8_t[]> present_;
+  // Only for a shared cache: indices of entries whose lines may not have arrived for all cores. The list may also
+  // contain lines that have arrived. Not part of a state.
   std::vector<std::size_t> pending_refills_;
   bool is_alone_;  // last argument of set_alone()
 };

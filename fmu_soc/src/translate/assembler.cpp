@@ -33,11 +33,10 @@ void emit_node(Assembler& a, const Node& node) {
     while (emit_instruction(a, at)) a.cycles.record_flow_inside(at++);
     return;
   }
-  // If the cache has several users, the caller has already checked the block's first line.
-  if (a.fetches.are_inline()) a.fetches.emit(*node.block, at, nullptr);
+  a.fetches.emit(*node.block, at);
   while (emit_instruction(a, at)) {
     a.cycles.record_flow_inside(at++);
-    if (!is_block_end(at->op)) a.fetches.emit(*node.block, at, at - 1);
+    if (!is_block_end(at->op)) a.fetches.emit(*node.block, at);
   }
 }
 

@@ -61,14 +61,18 @@ struct Stubs {
   /// and continues with the next core of the round. Writable address. Expects the address of the block's entry in rdx,
   /// and the value that load_next_point() loaded in rcx.
   const std::uint8_t* park = nullptr;
-  /// Subroutine that fetches a cache line. Writable address. Expects the line in edx, the byte offset of the line's set
-  /// in rax, and the address of the line's presence byte in rcx. Null if the core has no instruction cache, or shares
-  /// it with other cores.
+  // Subroutines for the lines of the instruction cache (writable addresses). ecx has the number of a line, and rdx the
+  // address of its set's entry in way 0. They are null if there is no instruction cache, or if other cores use it.
+  /// Fetches the line. Changes rax and rdx.
   const std::uint8_t* fetch = nullptr;
-  /// Subroutine that counts an access to the second memory and the cycles that the access waits. Writable address.
-  /// Expects the offset of the access in ecx, and the cycles of the block before the access in edx. If the interpreter
-  /// must perform the access, only sets eax to a negative value. Changes rdx. Null if no other core uses the second
-  /// memory.
+  /// Fetches those of the lines from ecx on that have bits in eax and are absent. Changes rax.
+  const std::uint8_t* fetch_group = nullptr;
+  /// Undoes the refills of the lines from ecx on that have bits in edx, if the present block has fetched them together.
+  /// Changes rcx and rdx.
+  const std::uint8_t* undo_fetch = nullptr;
+  /// Subroutine (writable address). Counts an access at offset ecx of the second memory, and counts the cycles that the
+  /// access waits. edx holds the cycles of the block before the access. If the interpreter must perform the access, the
+  /// subroutine only sets eax to a negative value. Changes rdx. Null if no other core uses that memory.
   const std::uint8_t* far = nullptr;
   /// Subroutine that performs a quiet load (see Bus::load_quietly()). Writable address. Expects the size in eax, the
   /// address in ecx, and the cycles of the block before the load in edx. Stores the value in HostState::loaded, and

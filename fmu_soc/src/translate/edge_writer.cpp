@@ -66,6 +66,7 @@ void EdgeWriter::resume(const Instruction* at) {
   exit.resumes = true;
   exit.at = at;
   exit.wait_cycles = a_.cycles.waits_before(at);
+  a_.fetches.undo_after(at);
   if (a_.stubs.perform == nullptr) {
     leave_by(exit);
     return;
@@ -186,7 +187,7 @@ Entry EdgeWriter::emit_entry(const Node& node, bool runs_into_node) {
   a_.L(stalled_entries_[index_of(node)]);
   check(true, 1);
   if (a_.blocks.fetched() != nullptr && a_.fetches.are_inline())
-    a_.fetches.emit(*node.block, node.first, nullptr);  // lines are fetched before the stall
+    a_.fetches.emit_first(*node.block, node.first);  // fetched before the stall
   a_.cycles.spend(1);
   a_.jmp(inside);
   entry.straight = a_.code_memory.executable(a_.getCurr());

@@ -10,41 +10,94 @@ namespace mebots::soc::translate {
 
 using namespace Xbyak::util;
 
+namespace {
+
+/// Minimum number of lines that are fetched together if they are often absent.
+constexpr std::uint32_t kLeastAbsent = 4;
+
+}  // namespace
+
 bool FetchWriter::are_inline() const {
   return !a_.options.loose_limit;
 }
 
-/// Writes code that sets the zero flag if the cache line of `address` has not arrived. The code may change rdx.
-void FetchWriter::compare_presence(std::uint32_t address) {
-  const auto* present = a_.blocks.fetched()->presence(address);
-  if (a_.is_near(present, 1)) {
-    a_.cmp(byte[r14 + a_.from_first_memory(present)], 0);
-  } else {
-    a_.mov(rdx, reinterpret_cast<std::uint64_t>(present));
-    a_.cmp(byte[rdx], 0);
-  }
+/// Returns the address of presence bytes. May change rdx.
+Xbyak::RegExp FetchWriter::place_of(const std::uint8_t* presence) {
+  if (a_.is_near(presence, InstructionCache::kMostGrouped)) return r14 + a_.from_first_memory(presence);
+  a_.mov(rdx, reinterpret_cast<std::uint64_t>(presence));
+  return rdx + 0;
 }
 
 void FetchWriter::jump_when_absent(std::uint32_t address, Label& absent) {
-  compare_presence(address);
+  a_.cmp(byte[place_of(a_.blocks.fetched()->presence(address))], 0);
   a_.je(absent, kNear);
 }
 
-/// If cores share the cache, the code leaves the block, and the interpreter fetches the lines. The code may change eax,
-/// rcx and rdx.
-void FetchWriter::emit(const Block& block, const Instruction* at, const Instruction* before) {
+/// Returns the group of lines that begins with `line`, which `at` needs. Later lines are in the group if execution
+/// always reaches them, and if no instruction before them uses the number of cycles. If the lines are often absent, a
+/// small group has no advantage.
+FetchWriter::Group FetchWriter::group_from(const Block& block, std::uint32_t line, const Instruction* at) const {
+  const auto& cache = *a_.blocks.fetched();
+  // A record of a step between functions contains the refills up to that step.
+  const auto most =
+      a_.options.flow != nullptr ? 1U : std::min(InstructionCache::kMostGrouped, cache.lines_before_first_set(line));
+  Group group{line, 1};
+  for (; !is_block_end(at->op) && group.count < most; ++at) {
+    const auto last = cache.line_of(at[1].pc - 1);
+    group.count = std::clamp(last - line + 1, group.count, most);
+    if (is_branch(at->op) || is_jump(at->op) || is_csr(at->op) || !has_translation(at->op)) break;
+  }
+  if (block.is_often_absent() && group.count < kLeastAbsent) group.count = 1;
+  return group;
+}
+
+/// Notes for each instruction from `at` on which lines of the group only later instructions need.
+void FetchWriter::note_later_lines(const Group& group, const Instruction* at) {
+  const auto& cache = *a_.blocks.fetched();
+  const auto all = bits_of(group);
+  for (; !is_block_end(at->op); ++at) {
+    const auto needed = cache.line_of(at[1].pc - 1) - group.first + 1;
+    if (needed >= group.count) break;
+    later_lines_[at] = {group, all >> needed << needed};
+  }
+}
+
+void FetchWriter::emit(const Block& block, const Instruction* at) {
   MEBOTS_ASSERT(a_.blocks.fetched() != nullptr && !is_block_end(at->op));
+  if (!are_inline()) {
+    emit_shared(at);
+    return;
+  }
+  if (at->index == 0) fetched_end_ = 0;
   const auto& cache = *a_.blocks.fetched();
   const auto last = cache.line_of(at[1].pc - 1);
   for (auto line = cache.line_of(at->pc); line <= last; ++line) {
-    if (before != nullptr && line == cache.line_of(before[1].pc - 1)) continue;
-    const auto address = std::max(at->pc, cache.address_of(line));
-    if (are_inline()) {
-      emit_line(line, address, block.is_often_absent());
-      continue;
-    }
+    if (line < fetched_end_) continue;
+    const auto group = group_from(block, line, at);
+    note_later_lines(group, at);
+    emit_group(group, block.is_often_absent());
+    fetched_end_ = std::uint64_t{line} + group.count;
+  }
+}
+
+void FetchWriter::emit_first(const Block& block, const Instruction* first) {
+  MEBOTS_ASSERT(are_inline());
+  const auto& cache = *a_.blocks.fetched();
+  const auto line = cache.line_of(first->pc);
+  const auto last = cache.line_of(first[1].pc - 1);
+  for (auto each = line; each <= last; ++each) emit_group({each, 1}, block.is_often_absent());
+}
+
+/// Writes code that leaves to the interpreter if a line of the instruction is absent, because the cache has several
+/// users. The caller has already checked the lines of the block's first instruction.
+void FetchWriter::emit_shared(const Instruction* at) {
+  if (at->index == 0) return;
+  const auto& cache = *a_.blocks.fetched();
+  const auto last = cache.line_of(at[1].pc - 1);
+  for (auto line = cache.line_of(at->pc); line <= last; ++line) {
+    if (line == cache.line_of(at->pc - 1)) continue;
     Label absent;
-    jump_when_absent(address, absent);
+    jump_when_absent(std::max(at->pc, cache.address_of(line)), absent);
     a_.defer_cold([this, at, absent]() mutable {
       a_.L(absent);
       Exit exit;
@@ -57,39 +110,81 @@ void FetchWriter::emit(const Block& block, const Instruction* at, const Instruct
   }
 }
 
-/// Writes code that fetches a line if it is absent. If the line is seldom absent, the refill is placed after the other
-/// code of the region. This saves a jump if the line is present, and costs two jumps if it is absent.
-void FetchWriter::emit_line(std::uint32_t line, std::uint32_t address, bool often_absent) {
+/// Writes code that fetches the absent lines of a group. If lines are seldom absent, the code of the refill is placed
+/// after the other code of the region. This saves a jump if all lines are present, and costs two jumps otherwise.
+void FetchWriter::emit_group(const Group& group, bool often_absent) {
   Label present;
   if (often_absent) {
-    compare_presence(address);
-    a_.jne(present);
-    emit_refill(line, address);
+    jump_on_presence(group, true, present);
+    emit_refill(group, bits_of(group));
     a_.L(present);
     return;
   }
   Label absent;
-  jump_when_absent(address, absent);
+  jump_on_presence(group, false, absent);
   a_.L(present);
-  a_.defer_warm([this, line, address, absent, present]() mutable {
+  a_.defer_warm([this, group, absent, present]() mutable {
     a_.L(absent);
-    emit_refill(line, address);
+    emit_refill(group, bits_of(group));
     a_.jmp(present, kNear);
   });
 }
 
-/// Writes code that fetches an absent line. The code changes eax, rcx and rdx.
-void FetchWriter::emit_refill(std::uint32_t line, std::uint32_t address) {
-  MEBOTS_ASSERT(a_.stubs.fetch != nullptr);
-  const auto* present = a_.blocks.fetched()->presence(address);
-  a_.mov(eax, a_.blocks.fetched()->first_of_set(line));
-  a_.mov(edx, line);
-  if (a_.is_near(present, 1)) {
-    a_.lea(rcx, ptr[r14 + a_.from_first_memory(present)]);
-  } else {
-    a_.mov(rcx, reinterpret_cast<std::uint64_t>(present));
+/// Writes a jump to `target` that is taken if all lines of the group are present or, if `present` is false, if one of
+/// them is absent. May change rdx and xmm0.
+void FetchWriter::jump_on_presence(const Group& group, bool present, const Label& target) {
+  const auto& cache = *a_.blocks.fetched();
+  const auto place = place_of(cache.presence_by_number() + cache.number_of(group.first));
+  if (group.count == 1) {
+    a_.cmp(byte[place], 0);
+    present ? a_.jne(target) : a_.je(target, kNear);
+    return;
   }
-  a_.call(a_.stubs.fetch);
+  constexpr auto kPresent = std::uint64_t{0x0101010101010101};
+  if (group.count == 2) {
+    a_.movzx(edx, word[place]);
+    a_.cmp(edx, static_cast<std::uint32_t>(kPresent & 0xffffU));
+  } else if (group.count == 4) {
+    a_.cmp(dword[place], static_cast<std::uint32_t>(kPresent));
+  } else {
+    // Sets the carry flag if all bits of the second operand are set.
+    const auto bytes_of = [](std::uint32_t count) {
+      return kPresent & (count >= 8 ? ~std::uint64_t{0} : (std::uint64_t{1} << 8 * count) - 1);
+    };
+    a_.movdqu(xmm0, ptr[place]);
+    a_.ptest(xmm0, ptr[rip + a_.constant(bytes_of(group.count), bytes_of(group.count < 8 ? 0 : group.count - 8))]);
+    present ? a_.jc(target) : a_.jnc(target, kNear);
+    return;
+  }
+  present ? a_.je(target) : a_.jne(target, kNear);
+}
+
+/// Writes code that fetches those of the group's lines that have bits in `bits` and are absent. Changes rax, rcx and
+/// rdx.
+void FetchWriter::emit_refill(const Group& group, std::uint32_t bits) {
+  MEBOTS_ASSERT(a_.stubs.fetch != nullptr && a_.stubs.fetch_group != nullptr);
+  const auto& cache = *a_.blocks.fetched();
+  a_.mov(ecx, cache.number_of(group.first));
+  a_.mov(rdx, reinterpret_cast<std::uint64_t>(cache.first_entry(group.first)));
+  if (group.count == 1) {
+    a_.call(a_.stubs.fetch);
+    return;
+  }
+  a_.mov(eax, bits);
+  a_.call(a_.stubs.fetch_group);
+}
+
+void FetchWriter::undo_after(const Instruction* at) {
+  const auto later = later_lines_.find(at);
+  if (later == later_lines_.end()) return;
+  a_.mov(ecx, a_.blocks.fetched()->number_of(later->second.group.first));
+  a_.mov(edx, later->second.bits);
+  a_.call(a_.stubs.undo_fetch);
+}
+
+void FetchWriter::repeat_after(const Instruction* at) {
+  const auto later = later_lines_.find(at);
+  if (later != later_lines_.end()) emit_refill(later->second.group, later->second.bits);
 }
 
 }  // namespace mebots::soc::translate

@@ -5,6 +5,7 @@
 #include "translate/xbyak.hpp"
 
 #include <cstdint>
+#include <unordered_map>
 
 namespace mebots::soc::translate {
 
@@ -16,18 +17,43 @@ class FetchWriter {
 
   /// Returns true if translated code refills the cache. If cores share the cache, the interpreter refills it instead.
   bool are_inline() const;
-  /// Writes code that fetches the absent cache lines of `at`, except for a line that also contains the previous
-  /// instruction `before`.
-  void emit(const Block& block, const Instruction* at, const Instruction* before);
-  /// Writes a jump to `absent` that is taken if the cache line of `address` is absent. The code may change rdx.
+  /// Writes the code that fetches the absent cache lines of the instruction `at`. Must be called for all instructions
+  /// of a block, in their order. The code also fetches lines of later instructions, if this has no other effect.
+  void emit(const Block& block, const Instruction* at);
+  /// Writes the code that fetches the absent cache lines of the block's first instruction only.
+  void emit_first(const Block& block, const Instruction* first);
+  /// Writes code that undoes the refills of lines that only instructions after `at` need. This is necessary if
+  /// execution leaves the block before `at`, or if `at` uses the number of cycles. Changes rcx and rdx.
+  void undo_after(const Instruction* at);
+  /// Writes code that fetches these lines again. Changes rax, rcx and rdx.
+  void repeat_after(const Instruction* at);
+  /// Writes a jump to `absent` that is taken if the line of this address is absent. The written code may change rdx.
   void jump_when_absent(std::uint32_t address, Xbyak::Label& absent);
 
  private:
-  void compare_presence(std::uint32_t address);
-  void emit_line(std::uint32_t line, std::uint32_t address, bool often_absent);
-  void emit_refill(std::uint32_t line, std::uint32_t address);
+  /// Consecutive lines that are fetched together.
+  struct Group {
+    std::uint32_t first = 0;
+    std::uint32_t count = 0;
+  };
+  struct LaterLines {
+    Group group;
+    std::uint32_t bits = 0;  // of the lines, from the group's first line on
+  };
+
+  static std::uint32_t bits_of(const Group& group) { return (std::uint32_t{1} << group.count) - 1; }
+  Group group_from(const Block& block, std::uint32_t line, const Instruction* at) const;
+  void note_later_lines(const Group& group, const Instruction* at);
+  void emit_shared(const Instruction* at);
+  void emit_group(const Group& group, bool often_absent);
+  void jump_on_presence(const Group& group, bool present, const Xbyak::Label& target);
+  void emit_refill(const Group& group, std::uint32_t bits);
+  Xbyak::RegExp place_of(const std::uint8_t* presence);
 
   Assembler& a_;
+  std::uint64_t fetched_end_ = 0;  // the line after those that the present block has fetched
+  /// The lines of the same group that only instructions after this one need.
+  std::unordered_map<const Instruction*, LaterLines> later_lines_;
 };
 
 }  // namespace mebots::soc::translate

@@ -54,7 +54,7 @@ void EdgeWriter::fall_through_to(const Instruction* at, const Node& node, bool i
   check_limit(node, stalls ? 1U : 0U, at_limit);
   if (stalls) {
     if (a_.blocks.fetched() != nullptr && a_.fetches.are_inline())
-      a_.fetches.emit(*node.block, node.first, nullptr);  // lines are fetched before the stall
+      a_.fetches.emit_first(*node.block, node.first);  // fetched before the stall
     a_.cycles.spend(1);
   }
   if (!is_last || &node != following_) a_.jmp(label_of(node), kNear);

@@ -8,6 +8,8 @@
 
 #include <array>
 #include <bit>
+#include <initializer_list>
+#include <vector>
 
 namespace mebots::soc::translate {
 
@@ -64,38 +66,127 @@ void emit_perform(Assembler& a, const Label& begin, const Label& done) {
   a.jmp(done, kNear);
 }
 
-/// Writes the refill of a line, as InstructionCache::refill() does if the cache has only one user, and counts the wait
-/// cycles. The code changes rax, rcx and rdx.
+/// Writes the instructions with which stubs access the state of an instruction cache that has one user.
+class CacheAccess {
+ public:
+  using Cache = InstructionCache;
+  CacheAccess(Assembler& assembler, const Xbyak::Reg64& state, const Xbyak::Reg64& far_presence)
+      : a_(assembler), cache_(*a_.blocks.fetched()), state_(state), far_presence_(far_presence) {
+    static_assert(std::is_standard_layout_v<Cache::State>);
+    MEBOTS_ASSERT(!cache_.is_shared());
+  }
+  /// Saves these registers, and `far_presence` if it is needed. Then loads the addresses.
+  void begin(std::initializer_list<Xbyak::Reg64> saved) {
+    saved_ = saved;
+    if (!is_near()) saved_.push_back(far_presence_);
+    for (const auto& reg : saved_) a_.push(reg);
+    a_.mov(state_, reinterpret_cast<std::uint64_t>(&cache_.state()));
+    if (!is_near()) a_.mov(far_presence_, reinterpret_cast<std::uint64_t>(cache_.presence_by_number()));
+  }
+  void end() const {
+    for (auto reg = saved_.rbegin(); reg != saved_.rend(); ++reg) a_.pop(*reg);
+    a_.ret();
+  }
+  Xbyak::RegExp field(std::size_t offset) const { return state_ + static_cast<int>(offset); }
+  /// Returns the presence byte of the line with this number.
+  Xbyak::RegExp presence(const Xbyak::Reg64& number) const {
+    if (!is_near()) return far_presence_ + number;
+    return r14 + number + a_.from_first_memory(cache_.presence_by_number());
+  }
+  std::uint32_t refill_cycles() const { return cache_.refill_cycles(); }
+
+ private:
+  bool is_near() const { return a_.is_near(cache_.presence_by_number(), 1); }
+
+  Assembler& a_;
+  const Cache& cache_;
+  Xbyak::Reg64 state_;
+  Xbyak::Reg64 far_presence_;
+  std::vector<Xbyak::Reg64> saved_;
+};
+
+/// Refills a line as InstructionCache::refill() does if the cache has only one user, and counts the wait cycles.
 void emit_fetch_stub(Assembler& a) {
   using Cache = InstructionCache;
-  static_assert(std::is_standard_layout_v<Cache::State> && std::is_standard_layout_v<Cache::Entry>);
-  static_assert(sizeof(Cache::Entry) == 8U << Cache::kWayBit, "a way of the shift register leads to its entry by 8");
-  const auto& cache = *a.blocks.fetched();
-  MEBOTS_ASSERT(!cache.is_shared());
-  MEBOTS_ASSERT(cache.ways() <= 128, "the shift register has eight bits");
-  const auto state = [](std::size_t offset) { return rsi + static_cast<int>(offset); };
-  a.push(rsi);
-  a.push(rdi);
-  a.mov(rsi, reinterpret_cast<std::uint64_t>(&cache.state()));
-  // rax = the entry for the line. The shift register advances and selects the way within the set.
-  a.movzx(edi, byte[state(offsetof(Cache::State, shift_register))]);
-  a.movzx(edi, byte[state(offsetof(Cache::State, next_shift)) + rdi]);
-  a.mov(byte[state(offsetof(Cache::State, shift_register))], dil);
-  a.and_(edi, (cache.ways() - 1) << Cache::kWayBit);
-  a.add(rax, ptr[state(offsetof(Cache::State, entries))]);
-  a.lea(rax, ptr[rax + rdi * 8]);
-  a.inc(qword[state(offsetof(Cache::State, refills))]);
-  // Marks the evicted line as absent.
-  a.mov(rdi, ptr[rax + static_cast<int>(offsetof(Cache::Entry, present))]);
-  a.mov(byte[rdi], 0);
-  a.mov(ptr[rax + static_cast<int>(offsetof(Cache::Entry, present))], rcx);
-  a.mov(byte[rcx], 1);
-  a.mov(dword[rax + static_cast<int>(offsetof(Cache::Entry, line))], edx);
+  CacheAccess cache(a, rsi, r8);
+  cache.begin({rsi, rdi});
+  Label repeats;
+  a.mov(edi, dword[cache.field(offsetof(Cache::State, shifts))]);
+  a.mov(eax, dword[cache.field(offsetof(Cache::State, way_offsets)) + rdi * 4]);
+  a.inc(edi);
+  a.cmp(edi, Cache::kShiftPeriod);
+  a.je(repeats);
+  Label advanced;
+  a.L(advanced);
+  a.mov(dword[cache.field(offsetof(Cache::State, shifts))], edi);
+  a.add(rdx, rax);
+  a.mov(eax, dword[rdx]);
+  a.mov(byte[cache.presence(rax)], 0);
+  a.mov(dword[rdx], ecx);
+  a.mov(byte[cache.presence(rcx)], 1);
+  a.inc(qword[cache.field(offsetof(Cache::State, refills))]);
   a.add(qword[rbx + offset_of_counter(offsetof(Counters, fetch_cycles))], cache.refill_cycles());
   a.sub(r15, cache.refill_cycles());
-  a.pop(rdi);
-  a.pop(rsi);
-  a.ret();
+  cache.end();
+  a.L(repeats);
+  a.xor_(edi, edi);
+  a.jmp(advanced);
+}
+
+/// Refills the absent lines of a group in their order, and counts the wait cycles. The lines are in different sets.
+/// Stores what undo_fetch_from_code() needs.
+void emit_fetch_group_stub(Assembler& a) {
+  using Cache = InstructionCache;
+  CacheAccess cache(a, rsi, r11);
+  cache.begin({rsi, rdi, r8, r9, r10});
+  const auto field = [&cache](std::size_t offset) { return cache.field(offset); };
+  // eax = the lines that are absent, which may be none. A present line has the byte 1.
+  a.movdqu(xmm0, ptr[cache.presence(rcx)]);
+  a.psllw(xmm0, 7);
+  a.pmovmskb(edi, xmm0);
+  a.andn(eax, edi, eax);
+  Label none;
+  a.jz(none, kNear);
+  a.movq(ptr[field(offsetof(Cache::State, group_when))], xmm15);
+  a.mov(dword[field(offsetof(Cache::State, group))], ecx);
+  a.mov(dword[field(offsetof(Cache::State, group_refilled))], eax);
+  a.popcnt(edi, eax);
+  a.add(qword[field(offsetof(Cache::State, refills))], rdi);
+  a.mov(r8d, dword[field(offsetof(Cache::State, shifts))]);
+  a.mov(dword[field(offsetof(Cache::State, group_shifts))], r8d);
+  a.lea(r9d, ptr[r8 + rdi]);
+  a.lea(r10d, ptr[r9 - static_cast<int>(Cache::kShiftPeriod)]);
+  a.cmp(r9d, Cache::kShiftPeriod);
+  a.cmovae(r9d, r10d);
+  a.mov(dword[field(offsetof(Cache::State, shifts))], r9d);
+  a.imul(edi, edi, static_cast<int>(cache.refill_cycles()));
+  a.sub(r15, rdi);
+  a.add(qword[rbx + offset_of_counter(offsetof(Counters, fetch_cycles))], rdi);
+  a.lea(r8, ptr[field(offsetof(Cache::State, way_offsets)) + r8 * 4]);
+  Label next;
+  a.L(next);
+  a.tzcnt(r9d, eax);
+  a.mov(edi, dword[r8]);
+  a.add(r8, sizeof(std::uint32_t));
+  a.add(rdi, rdx);
+  a.mov(r10d, dword[rdi + r9 * 4]);
+  a.mov(byte[cache.presence(r10)], 0);
+  a.mov(dword[field(offsetof(Cache::State, group_evicted)) + r9 * 4], r10d);
+  a.lea(r10d, ptr[rcx + r9]);
+  a.mov(dword[rdi + r9 * 4], r10d);
+  a.mov(byte[cache.presence(r10)], 1);
+  a.blsr(eax, eax);
+  a.jnz(next);
+  a.L(none);
+  cache.end();
+}
+
+/// Undoes the refills of these lines of the last group. Returns the wait cycles that they have taken.
+[[gnu::sysv_abi]] std::uint64_t undo_fetch_from_code(Execution& execution, std::uint64_t /*cycle*/, std::uint32_t lines,
+                                                     std::uint32_t /*unused*/) noexcept {
+  const auto cycles = execution.units->fetch.undo_refills(lines);
+  execution.counters.fetch_cycles -= cycles;
+  return cycles;
 }
 
 /// Performs a quiet load, and stores its value in HostState::loaded. Returns the wait cycles, or -1 if the load is not
@@ -146,7 +237,33 @@ void emit_call(Assembler& a, Function* function) {
   for (auto reg = saved.rbegin(); reg != saved.rend(); ++reg) a.pop(*reg);
 }
 
-/// Writes a call of wait_for_far(), and counts the cycles that it returns.
+/// Undoes refills that a block has made for instructions that it does not reach now.
+void emit_undo_fetch_stub(Assembler& a) {
+  using Cache = InstructionCache;
+  const CacheAccess cache(a, rsi, rsi);
+  const auto field = [&cache](std::size_t offset) { return cache.field(offset); };
+  Label none;
+  a.push(rax);
+  a.push(rsi);
+  a.mov(rsi, reinterpret_cast<std::uint64_t>(&a.blocks.fetched()->state()));
+  a.cmp(dword[field(offsetof(Cache::State, group))], ecx);
+  a.jne(none, kNear);
+  a.movq(rax, xmm15);
+  a.cmp(ptr[field(offsetof(Cache::State, group_when))], rax);
+  a.jne(none, kNear);
+  a.mov(ecx, edx);
+  a.and_(ecx, dword[field(offsetof(Cache::State, group_refilled))]);
+  a.jz(none, kNear);
+  a.mov(rsi, ptr[rsp]);
+  emit_call(a, &undo_fetch_from_code);
+  a.add(r15, rax);
+  a.L(none);
+  a.pop(rsi);
+  a.pop(rax);
+  a.ret();
+}
+
+/// Calls wait_for_far() and counts the returned cycles.
 void emit_far_stub(Assembler& a) {
   MEBOTS_ASSERT(a.options.banks != nullptr, "a core whose second memory is shared shares the first one");
   static_assert(kOutsideBanks >> 63 == 1 && Banks::kReach < std::uint64_t{1} << 31,
@@ -191,6 +308,10 @@ Stubs emit_stubs(Assembler& a) {
   a.mov(r15, ptr[rbx + offset_of_host(offsetof(HostState, begin))]);
   a.pxor(xmm15, xmm15);
   a.mov(qword[rbx + offset_of_host(offsetof(HostState, slow_load))], 0);
+  if (a.blocks.fetched() != nullptr && a.fetches.are_inline()) {  // the block has fetched no group yet
+    a.mov(rax, reinterpret_cast<std::uint64_t>(&a.blocks.fetched()->state().group_refilled));
+    a.mov(dword[rax], 0);
+  }
   a.jmp(rcx);
 
   stubs.park = a.getCurr();
@@ -226,6 +347,10 @@ Stubs emit_stubs(Assembler& a) {
   if (a.blocks.fetched() != nullptr && a.fetches.are_inline()) {
     stubs.fetch = a.getCurr();
     emit_fetch_stub(a);
+    stubs.fetch_group = a.getCurr();
+    emit_fetch_group_stub(a);
+    stubs.undo_fetch = a.getCurr();
+    emit_undo_fetch_stub(a);
   }
   if (a.ram[1].is_shared()) {
     stubs.far = a.getCurr();

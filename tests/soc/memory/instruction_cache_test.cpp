@@ -85,8 +85,8 @@ TEST(InstructionCache, PrefersInvalidWaysIfTheBoardRequestsIt) {
   InstructionCache cache({64, 16, 4, 9, 0, true}, InstructionCache::Users::several);
   for (std::uint32_t line = 1; line <= 4; ++line) cache.fetch(line, 0);
   for (std::uint32_t line = 1; line <= 4; ++line) EXPECT_TRUE(cache.holds(line)) << line;
-  EXPECT_EQ(cache.state().shift_register, 0U) << "no refill yet";
-  cache.fetch(5, 0);  // way 0, from bits 2 and 1 of the value 1
+  EXPECT_EQ(cache.shift_register(), 0U) << "no refill yet";
+  cache.fetch(5, 0);  // bits 2 and 1 of the value 1
   EXPECT_FALSE(cache.holds(1));
   EXPECT_TRUE(cache.holds(5));
   cache.flush();

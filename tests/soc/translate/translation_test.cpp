@@ -220,6 +220,64 @@ done:
   }
 }
 
+TEST(Translation, FetchesNoLineTooEarlyWhenItLeavesABlock) {
+  // Each block has many lines, and is left in its middle: at loads from two clocks, and at stores into code. The clocks
+  // show the cycle. After the loop, another part of the code evicts lines of the loop.
+  const std::string straight = "    .rept 25\n    addi a2, a2, 3\n    .endr\n";
+  const auto program = assemble(R"(
+    .option norvc
+_start: li s1, 3000
+    la s2, places
+1:  andi t0, s1, 7
+    slli t0, t0, 3
+    add t0, t0, s2
+    lw s3, 0(t0)
+    lw s4, 4(t0)
+)" + straight + R"(
+    lw a0, 0(s3)
+    xor a3, a3, a0
+)" + straight + R"(
+    sw a2, 0(s4)
+    mul a3, a3, a0
+)" + straight + R"(
+    lw a1, 0(s3)
+    add a3, a3, a1
+    andi t0, s1, 3
+    bnez t0, 2f
+)" + straight + straight + R"(
+2:  addi s1, s1, -1
+    bnez s1, 1b
+    j done
+patch: .word 0
+done:
+)" + std::string(kEnd) +
+                                fmt::format(R"(
+    .data
+    .balign 4
+data: .word 0, 0
+places: .word data, data, {0}, data, data, data, {1}, data
+    .word {0}, data, data, patch, data, data, {0}, data
+)",
+                                            Machine::kQuietClock, Machine::kClock));
+  for (const std::uint32_t bytes : {128, 512, 1024, 2048}) {
+    for (const std::uint64_t step : {97, 1013, 1'000'000}) {
+      Pair pair(program, {.instruction_cache = small_cache(bytes)});
+      pair.wait_for_memory(bytes == 512 ? 1 : 0, 2);
+      auto stop = Stop::limit;
+      std::uint64_t limit = 0;
+      while (stop == Stop::limit || stop == Stop::device) {
+        if (stop == Stop::limit) limit += step;
+        stop = pair.translated.run(limit);
+        ASSERT_EQ(stop, pair.interpreted.run(limit));
+        ASSERT_EQ(state_of(pair.translated, false), state_of(pair.interpreted, false))
+            << bytes << " bytes\ntranslated: " << text_of(pair.translated)
+            << "\ninterpreted: " << text_of(pair.interpreted);
+      }
+      EXPECT_EQ(pair.translated.word("tohost"), 1U);
+    }
+  }
+}
+
 TEST(Translation, FollowsStoresIntoCode) {
   // The outer loop changes the body of a hot inner loop.
   Pair pair(assemble(std::string(R"(
