@@ -33,6 +33,8 @@ constexpr std::uint32_t kInterruptLines = 0xffff0000U | (1U << 11) | (1U << 7) |
 /// JEDEC number of the OpenHW Group, and architecture number of CV32E40P.
 constexpr std::uint32_t kVendor = 0x602;
 constexpr std::uint32_t kArchitecture = 4;
+/// Offset of GAP8's vector for an ecall, after the vectors of 32 interrupts and of the reset.
+constexpr std::uint32_t kGap8CallVector = 0x88;
 constexpr std::uint32_t kCountersOn = 1U << 0;      // PCMR
 constexpr std::uint32_t kCountersStop = 1U << 1;    // PCMR: counters stop at their highest value
 constexpr std::uint32_t kEvents = (1U << 31) - 1U;  // PCER: all events
@@ -229,7 +231,8 @@ void Csrs::restart() {
   execution_.reservation = {};
   update_guard();
   update_counting();
-  state_.handlers = word<csr::kMtvec>() = timing_.mtvec_after_reset();
+  if (has_gap8_interrupts_) state_.cause_kept_by_return = 0;
+  set_handlers(word<csr::kMtvec>() = timing_.mtvec_after_reset());
   word<csr::kMcountinhibit>() = timing_.mcountinhibit_after_reset();
   const auto base = [this](std::uint32_t inhibit, std::uint64_t count) { return is_inhibited(inhibit) ? 0 : count; };
   state_.cycle_base = base(kInhibitCycle, execution_.counters.cycles);
@@ -287,7 +290,7 @@ std::uint32_t Csrs::leave_handler() {
   state_.interrupts_were_on = true;
   // GAP8's FreeRTOS tests bit 31 of mcause to find out whether it is in a handler, also after the handler. Therefore
   // mret clears mcause, as in GVSoC's models of GAP8. In the privileged specification, mret does not change mcause.
-  if (has_gap8_interrupts_) word<csr::kMcause>() = 0;
+  word<csr::kMcause>() &= state_.cause_kept_by_return;
   const auto mode = state_.mode_before;
   if (timing_.options.has(Extension::user)) state_.mode_before = Mode::user;
   if (mode != Mode::machine) state_.modifies_privilege = false;
@@ -374,6 +377,7 @@ void Csrs::visit(state::Visitor& v) {
   v("float_off", execution_.float_off);
   v("pmp", pmp_);
   if (!v.restores()) return;
+  set_handlers(state_.handlers);
   update_guard();
   update_counting();
 }
@@ -425,8 +429,13 @@ void Csrs::set_pmp_address(unsigned entry, std::uint32_t value) {
 void Csrs::set_mtvec(std::uint32_t value) {
   word<csr::kMtvec>() = value & timing_.mtvec_mask();
   const bool moves = word<csr::kMtvec>() != (value & ~2U);
-  state_.handlers = keeps_written_mtvec_ ? value & ~2U : word<csr::kMtvec>();
+  set_handlers(keeps_written_mtvec_ ? value & ~2U : word<csr::kMtvec>());
   if (moves) remarks_.moved_mtvec = value;
+}
+
+void Csrs::set_handlers(std::uint32_t handlers) {
+  state_.handlers = handlers;
+  state_.call_handler = has_gap8_interrupts_ ? (handlers & ~0xffU) + kGap8CallVector : handlers & ~3U;
 }
 
 void Csrs::set_mtval(std::uint32_t value) {

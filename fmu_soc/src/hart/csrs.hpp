@@ -35,8 +35,10 @@ struct CsrState {
   bool wait_traps = false;           // mstatus.TW
   std::uint64_t cycle_base = 0;      // mcycle = counter - base; if mcycle is inhibited, mcycle = base
   std::uint64_t instret_base = 0;
-  std::uint32_t handlers = 0;  // address of the trap handlers: mtvec, or the value that the program wrote to mtvec
-  EventCounts pccr_base{};     // bases of RI5CY's event counters
+  std::uint32_t handlers = 0;                // entry of the handlers: mtvec, or the value written to it
+  std::uint32_t call_handler = 0;            // handler of an ecall; derived from `handlers`
+  std::uint32_t cause_kept_by_return = ~0U;  // bits of mcause that mret keeps; constant
+  EventCounts pccr_base{};                   // of RI5CY's event counters
 };
 
 /// Describes how translated code accesses a CSR in machine mode.
@@ -104,6 +106,8 @@ class Csrs {
 
   /// Returns the address of the trap handlers. Bit 0 is set if interrupts are vectored.
   std::uint32_t handlers() const { return state_.handlers; }
+  /// Returns the address of the handler of an ecall.
+  std::uint32_t call_handler() const { return state_.call_handler; }
   const CsrRemarks& remarks() const { return remarks_; }
   /// Enters a trap at the present pc: stores the pc, the cause and the value, and disables interrupts.
   void enter_handler(std::uint32_t cause, std::uint32_t value);
@@ -151,6 +155,7 @@ class Csrs {
   void set_instret(std::uint32_t value) { write_counter(true, value, false); }
   void set_instret_high(std::uint32_t value) { write_counter(true, value, true); }
   void set_mtvec(std::uint32_t value);
+  void set_handlers(std::uint32_t handlers);
   void set_mtval(std::uint32_t value);
   void set_count_inhibit(std::uint32_t value);
   std::uint32_t event_counter(unsigned counter) const;

@@ -15,6 +15,7 @@ class Hart;
 class BlockCache;
 class Csrs;
 struct CsrState;
+struct TrapState;
 class DataPath;
 class Fetch;
 class Traps;
@@ -149,9 +150,11 @@ struct HostState {
   std::uint32_t float_control_outside = 0;
   std::uint32_t float_control = kFloatControl;
   std::uint32_t float_control_after = kFloatControl;
-  CsrState* csrs = nullptr;  // control and status registers of this core
-  std::uint32_t loaded = 0;  // value of the last quiet load of translated code
-  // Translated code records its steps from one function into another in a list.
+  CsrState* csrs = nullptr;    // of the same core
+  TrapState* traps = nullptr;  // of the same core
+  bool serves_calls = false;   // true if the host may serve an ecall
+  std::uint32_t loaded = 0;    // the value of the last quiet load of translated code
+  // The list of recorded steps from one function into another in translated code.
   Flow* flow = nullptr;              // next entry to write
   std::uint64_t position = 0;        // value of the register that counts cycles, at the end of the last run
   std::uint64_t instruction_fj = 0;  // energy of the last run

@@ -17,20 +17,21 @@ constexpr std::uint32_t kEndlessRepeats = 16;
 /// large because a handler may count in memory and leave without mret.
 constexpr std::uint32_t kEndlessReturns = 1'000'000;
 
-constexpr unsigned kReturnAddress = 1;
-constexpr unsigned kStackPointer = 2;
-
-/// Offsets of GAP8's exception vectors. They follow the vectors of 32 interrupts and of the reset.
+/// Offsets of GAP8's exception vectors. The vectors of 32 interrupts and of the reset come before them.
 constexpr std::uint32_t kIllegalVector = 0x84;
-constexpr std::uint32_t kCallVector = 0x88;
 constexpr std::uint32_t kAccessVector = 0x8C;
+
+/// True if the exception is an ecall or ebreak.
+bool is_call(std::uint32_t cause) {
+  return cause == cause::kMachineEcall || cause == cause::kUserEcall || cause == cause::kBreakpoint;
+}
 
 }  // namespace
 
 void Traps::restart() {
-  fault_ = {};
-  repeats_ = 0;
-  returns_ = 0;
+  state_.fault = {};
+  state_.repeats = 0;
+  state_.returns = 0;
 }
 
 const Instruction* Traps::leave_handler(const Instruction* at) {
@@ -42,10 +43,10 @@ const Instruction* Traps::leave_handler(const Instruction* at) {
   e.pc = csrs_.leave_handler();
   e.cut_pc = from_interrupt ? e.pc : kNoPc;
   e.exit = at + 1;
-  e.link = nullptr;
+  e.link = from_interrupt ? nullptr : &at->link;
   e.redirected = true;
-  repeats_ = 0;
-  returns_ = 0;
+  state_.repeats = 0;
+  state_.returns = 0;
   return nullptr;
 }
 
@@ -60,21 +61,20 @@ Exception Traps::exception_here(std::uint32_t cause, std::uint32_t value) const 
 }
 
 void Traps::fail(std::uint32_t cause, std::uint32_t value, bool double_trap) {
-  fault_.last = exception_here(cause, value);
-  fault_.happened = true;
-  fault_.double_trap = double_trap;
+  state_.fault.last = exception_here(cause, value);
+  state_.fault.happened = true;
+  state_.fault.double_trap = double_trap;
 }
 
 /// Compares the hart's state at this exception with its state at the last exception.
 Traps::Progress Traps::progress_since_last(std::uint32_t cause) const {
   const auto& e = execution_;
-  const auto& last = last_exception_;
-  if (repeats_ == 0) return Progress::some;
+  const auto& last = state_.last_exception;
+  if (state_.repeats == 0) return Progress::some;
   if (last.instructions == e.counters.instructions) return Progress::none;
   // Correct code may execute the same ecall repeatedly.
-  const bool is_call = cause == cause::kMachineEcall || cause == cause::kUserEcall || cause == cause::kBreakpoint;
-  if (is_call || last.pc != e.pc || last.cause != cause) return Progress::some;
-  // A lower stack pointer shows that the exception occurred in its own handler, which decreases it at each entry.
+  if (is_call(cause) || last.pc != e.pc || last.cause != cause) return Progress::some;
+  // The exception occurred in its own handler, which decreases the stack pointer at each entry.
   if (e.x[kStackPointer] < last.registers[kStackPointer]) return Progress::none;
   const auto same = std::equal(last.registers.begin() + 1, last.registers.end(), e.x.begin() + 1);
   if (!same) return Progress::some;
@@ -84,18 +84,21 @@ Traps::Progress Traps::progress_since_last(std::uint32_t cause) const {
 bool Traps::take_exception() {
   const auto cause = execution_.trap_cause;
   const auto value = execution_.trap_value;
-  MEBOTS_ASSERT((cause & cause::kInterrupt) == 0 && !fault_.happened);
+  MEBOTS_ASSERT((cause & cause::kInterrupt) == 0 && !state_.fault.happened);
   const auto progress = progress_since_last(cause);
-  if (repeats_ == 0) fault_.first = exception_here(cause, value);
-  repeats_ = progress == Progress::none ? repeats_ + 1 : 1;
-  returns_ = progress == Progress::some ? 0 : returns_ + 1;
-  last_exception_.pc = execution_.pc;
-  last_exception_.cause = cause;
-  last_exception_.instructions = execution_.counters.instructions;
-  last_exception_.accesses = execution_.counters.accesses;
-  std::copy_n(execution_.x.begin(), last_exception_.registers.size(), last_exception_.registers.begin());
-  last_exception_.registers[0] = 0;
-  if (repeats_ >= kEndlessRepeats || returns_ >= kEndlessReturns) {
+  if (state_.repeats == 0) state_.fault.first = exception_here(cause, value);
+  state_.repeats = progress == Progress::none ? state_.repeats + 1 : 1;
+  state_.returns = progress == Progress::some ? 0 : state_.returns + 1;
+  state_.last_exception.pc = execution_.pc;
+  state_.last_exception.cause = cause;
+  state_.last_exception.instructions = execution_.counters.instructions;
+  state_.last_exception.accesses = execution_.counters.accesses;
+  if (!is_call(cause)) {
+    auto& registers = state_.last_exception.registers;
+    std::copy_n(execution_.x.begin(), registers.size(), registers.begin());
+    registers[0] = 0;
+  }
+  if (state_.repeats >= kEndlessRepeats || state_.returns >= kEndlessReturns) {
     fail(cause, value, true);
     return false;
   }
@@ -115,20 +118,19 @@ unsigned Traps::next_interrupt() const {
 }
 
 std::uint32_t Traps::handler_of(std::uint32_t cause) const {
+  if (cause == cause::kMachineEcall || cause == cause::kUserEcall) return csrs_.call_handler();
   const bool is_interrupt = (cause & cause::kInterrupt) != 0;
   if (csrs_.has_gap8_interrupts()) {
     const auto vectors = csrs_.handlers() & ~0xffU;
     if (is_interrupt) return vectors + 4 * (cause & 31U);
-    return vectors + (cause == cause::kIllegalInstruction                           ? kIllegalVector
-                      : cause == cause::kMachineEcall || cause == cause::kUserEcall ? kCallVector
-                                                                                    : kAccessVector);
+    return vectors + (cause == cause::kIllegalInstruction ? kIllegalVector : kAccessVector);
   }
   const bool is_vectored = (csrs_.handlers() & 1U) != 0 && is_interrupt;
   return (csrs_.handlers() & ~3U) + (is_vectored ? 4 * (cause & 31U) : 0);
 }
 
 bool Traps::enter_handler(std::uint32_t cause, std::uint32_t value) {
-  MEBOTS_ASSERT(!fault_.happened, "a core with a fault runs no more");
+  MEBOTS_ASSERT(!state_.fault.happened, "a core with a fault runs no more");
   const auto target = handler_of(cause);
   if (!blocks_.word_at(target)) {
     fail(cause, value, false);
@@ -142,10 +144,10 @@ bool Traps::enter_handler(std::uint32_t cause, std::uint32_t value) {
 }
 
 void Traps::visit(state::Visitor& v) {
-  v("fault", fault_);
-  v("last_exception", last_exception_);
-  v("repeats", repeats_);
-  v("returns", returns_);
+  v("fault", state_.fault);
+  v("last_exception", state_.last_exception);
+  v("repeats", state_.repeats);
+  v("returns", state_.returns);
 }
 
 }  // namespace mebots::soc

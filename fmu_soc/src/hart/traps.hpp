@@ -44,11 +44,43 @@ struct Fault {
   }
 };
 
+/// Stores the state at the last exception, which is compared with the state at the next exception at the same pc. The
+/// comparison also detects endless exceptions whose handlers leave without mret, for example by longjmp. For an ecall
+/// or ebreak, `registers` has no meaning.
+struct LastException {
+  std::uint32_t pc = 0;
+  std::uint32_t cause = 0;
+  std::uint64_t instructions = 0;  // number of instructions that had retired
+  std::uint64_t accesses = 0;
+  std::array<std::uint32_t, 32> registers{};
+
+  void visit(state::Visitor& v) {
+    v("pc", pc);
+    v("cause", cause);
+    v("instructions", instructions);
+    v("accesses", accesses);
+    v("registers", registers);
+  }
+};
+
+/// The state of the traps of a core, which translated code changes at an ecall and at mret.
+struct TrapState {
+  Fault fault;
+  LastException last_exception;
+  std::uint32_t repeats = 0;  // consecutive exceptions without progress; 0 = no exception since a handler returned
+  std::uint32_t returns = 0;  // consecutive exceptions with unchanged registers
+};
+
 /// Enters and leaves a core's trap handlers, and detects endless traps.
 class Traps {
  public:
+  static constexpr unsigned kReturnAddress = 1;  // numbers of registers
+  static constexpr unsigned kStackPointer = 2;
+
   Traps(Execution& execution, Csrs& csrs, const BlockCache& blocks)
-      : execution_(execution), csrs_(csrs), blocks_(blocks) {}
+      : execution_(execution), csrs_(csrs), blocks_(blocks) {
+    execution.host.traps = &state_;
+  }
 
   void restart();
   /// Takes the exception that ended the last block. Does not count the cycles of the handler's entry. If the core
@@ -62,10 +94,10 @@ class Traps {
   /// Executes mret.
   const Instruction* leave_handler(const Instruction* at);
 
-  const Fault& fault() const { return fault_; }
-  /// Returns true if the core has taken an exception, and no handler has returned since then. fault().first is then the
-  /// first exception since the last return of a handler.
-  bool in_exception() const { return repeats_ != 0; }
+  const Fault& fault() const { return state_.fault; }
+  /// True if the core took an exception, and no handler has returned since that exception. fault().first is the first
+  /// exception since the last return of a handler.
+  bool in_exception() const { return state_.repeats != 0; }
 
   void visit(state::Visitor& v);
 
@@ -76,24 +108,6 @@ class Traps {
     some,
   };
 
-  /// The state at the last exception, to compare with the state at the next exception. This also detects endless
-  /// exceptions whose handlers leave without mret, for example by longjmp.
-  struct LastException {
-    std::uint32_t pc = 0;
-    std::uint32_t cause = 0;
-    std::uint64_t instructions = 0;  // retired instructions
-    std::uint64_t accesses = 0;
-    std::array<std::uint32_t, 32> registers{};
-
-    void visit(state::Visitor& v) {
-      v("pc", pc);
-      v("cause", cause);
-      v("instructions", instructions);
-      v("accesses", accesses);
-      v("registers", registers);
-    }
-  };
-
   Progress progress_since_last(std::uint32_t cause) const;
   Exception exception_here(std::uint32_t cause, std::uint32_t value) const;
   void fail(std::uint32_t cause, std::uint32_t value, bool double_trap);
@@ -102,11 +116,7 @@ class Traps {
   Execution& execution_;
   Csrs& csrs_;
   const BlockCache& blocks_;
-  Fault fault_;
-  LastException last_exception_;
-  /// Consecutive exceptions without progress; 0 = no exception since the last return of a handler.
-  std::uint32_t repeats_ = 0;
-  std::uint32_t returns_ = 0;  // consecutive exceptions with unchanged registers
+  TrapState state_;
 };
 
 }  // namespace mebots::soc

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Execution of the operations in isa/system.decode: traps, Zifencei, Zicsr and machine mode. Only accesses to CSRs have
-// a lowering.
+// Traps, Zifencei, Zicsr and machine mode: execution of each operation of isa/system.decode. Accesses to CSRs, ecall
+// and mret have a lowering.
 #include "hart/csr_numbers.hpp"
 #include "hart/csrs.hpp"
 #include "hart/execution.hpp"
@@ -75,7 +75,15 @@ void emit_count(Assembler& c, const Instruction* at, bool instret, Label& rare) 
   c.sub(rax, csr_field(ptr, offsetof(CsrState, cycle_base)));
 }
 
-/// Writes code that changes a word of CsrState. eax must contain the old value. The code changes ecx.
+/// Writes the code at `rare`, which lets the interpreter execute the instruction.
+void resume_if_rare(Assembler& c, const Instruction* at, Label rare) {
+  c.defer_cold([&c, at, rare]() mutable {
+    c.L(rare);
+    c.edges.resume(at);
+  });
+}
+
+/// Stores a word of CsrState, whose old value is in eax. Changes ecx.
 void emit_csr_write(Assembler& c, const Instruction* at, const CsrForm& form) {
   if (traits_of(at->op).kind == OpKind::csr_immediate) {
     c.mov(ecx, at->rs1);
@@ -104,10 +112,111 @@ bool emit_csr_access(Assembler& c, const Instruction* at) {
     if (form.kind == Kind::cycle_high || form.kind == Kind::instret_high) c.shr(rax, 32);
   }
   if (at->rd != kNoRegister) c.registers.finish(at->rd, eax);
-  c.defer_cold([&c, at, rare]() mutable {
-    c.L(rare);
-    c.edges.resume(at);
-  });
+  resume_if_rare(c, at, rare);
+  return true;
+}
+#endif
+
+#ifdef MEBOTS_TRANSLATES
+/// Sets rdx to the core's CsrState, and rcx to its TrapState. Jumps to `rare` if a trap may change a privilege mode.
+void emit_trap_state(Assembler& c, Label& rare) {
+  emit_csr_state(c, rare);
+  if (c.blocks.timing().options.has(Extension::user)) {
+    c.cmp(csr_field(byte, offsetof(CsrState, modifies_privilege)), 0);
+    c.jne(rare, kNear);
+  }
+  c.mov(rcx, ptr[rbx + translate::offset_of_host(offsetof(HostState, traps))]);
+}
+
+/// Writes code that takes the exception as Traps::take_exception() does, if no other exception is being handled, and if
+/// the handler is the same as last time.
+bool emit_ecall(Assembler& c, const Instruction* at) {
+  static_assert(std::is_standard_layout_v<TrapState> && std::is_standard_layout_v<CsrState>);
+  if (c.options.perform == nullptr || at->link == 0 || !c.blocks.block(at->link).valid()) return false;
+  const auto handler = c.blocks.block(at->link).pc;
+  const auto trap = [](const Xbyak::AddressFrame& frame, std::size_t offset) {
+    return frame[rcx + static_cast<int>(offset)];
+  };
+  constexpr auto kFirst = offsetof(TrapState, fault) + offsetof(Fault, first);
+  constexpr auto kLast = offsetof(TrapState, last_exception);
+  Label rare;
+  c.cmp(byte[rbx + translate::offset_of_host(offsetof(HostState, serves_calls))], 0);
+  c.jne(rare, kNear);
+  emit_trap_state(c, rare);
+  c.cmp(csr_field(dword, offsetof(CsrState, call_handler)), handler);
+  c.jne(rare, kNear);
+  c.cmp(trap(dword, offsetof(TrapState, repeats)), 0);
+  c.jne(rare, kNear);
+  if (at->index != 0) c.cycles.count(at - 1, 0);
+  c.cycles.spend(kTrapEntryCycles);
+
+  c.mov(trap(dword, offsetof(TrapState, repeats)), 1);
+  c.mov(trap(dword, offsetof(TrapState, returns)), 0);
+  c.mov(trap(dword, kFirst + offsetof(Exception, cause)), cause::kMachineEcall);
+  c.mov(trap(dword, kFirst + offsetof(Exception, pc)), at->pc);
+  c.mov(trap(dword, kFirst + offsetof(Exception, value)), 0);
+  c.mov(trap(dword, kFirst + offsetof(Exception, instruction)), c.blocks.word_at(at->pc).value_or(0));
+  c.registers.copy(eax, Traps::kReturnAddress);
+  c.mov(trap(dword, kFirst + offsetof(Exception, return_address)), eax);
+  c.registers.copy(eax, Traps::kStackPointer);
+  c.mov(trap(dword, kFirst + offsetof(Exception, stack_pointer)), eax);
+  c.mov(trap(dword, kLast + offsetof(LastException, pc)), at->pc);
+  c.mov(trap(dword, kLast + offsetof(LastException, cause)), cause::kMachineEcall);
+  c.movq(rax, xmm15);
+  c.shr(rax, 32);
+  c.add(rax, ptr[rbx + translate::offset_of_counter(offsetof(Counters, accesses))]);
+  c.mov(trap(ptr, kLast + offsetof(LastException, accesses)), rax);
+  c.movd(eax, xmm15);
+  c.add(rax, ptr[rbx + translate::offset_of_counter(offsetof(Counters, instructions))]);
+  c.mov(trap(ptr, kLast + offsetof(LastException, instructions)), rax);
+
+  c.mov(csr_word(csr::slot_of(csr::kMepc)), at->pc);
+  c.mov(csr_word(csr::slot_of(csr::kMcause)), cause::kMachineEcall);
+  if (c.blocks.timing().has_mtval()) c.mov(csr_word(csr::slot_of(csr::kMtval)), 0);
+  c.mov(al, csr_field(byte, offsetof(CsrState, interrupts_on)));
+  c.mov(csr_field(byte, offsetof(CsrState, interrupts_were_on)), al);
+  c.mov(csr_field(byte, offsetof(CsrState, interrupts_on)), 0);
+  c.mov(csr_field(byte, offsetof(CsrState, mode_before)), static_cast<std::uint32_t>(Mode::machine));
+  c.edges.enter_handler(at, handler);
+  resume_if_rare(c, at, rare);
+  return true;
+}
+
+/// Writes code that returns from the handler of an exception as Traps::leave_handler() does, if no interrupt is taken
+/// then.
+bool emit_mret(Assembler& c, const Instruction* at) {
+  if (c.options.perform == nullptr) return false;
+  const bool has_user = c.blocks.timing().options.has(Extension::user);
+  const auto mode_before = csr_field(byte, offsetof(CsrState, mode_before));
+  const auto were_on = csr_field(byte, offsetof(CsrState, interrupts_were_on));
+  Label rare;
+  Label stays_off;
+  emit_trap_state(c, rare);
+  if (has_user) {
+    c.cmp(mode_before, static_cast<std::uint32_t>(Mode::machine));
+    c.jne(rare, kNear);
+  }
+  static_assert(cause::kInterrupt == 1U << 31, "the sign of mcause");
+  c.cmp(csr_word(csr::slot_of(csr::kMcause)), 0);
+  c.jl(rare, kNear);
+  c.cmp(were_on, 0);
+  c.je(stays_off);
+  c.mov(eax, csr_word(csr::slot_of(csr::kMip)));
+  c.test(csr_word(csr::slot_of(csr::kMie)), eax);
+  c.jnz(rare, kNear);
+  c.L(stays_off);
+  c.mov(al, were_on);
+  c.mov(csr_field(byte, offsetof(CsrState, interrupts_on)), al);
+  c.mov(were_on, 1);
+  c.mov(eax, csr_field(dword, offsetof(CsrState, cause_kept_by_return)));
+  c.and_(csr_word(csr::slot_of(csr::kMcause)), eax);
+  if (has_user) c.mov(mode_before, static_cast<std::uint32_t>(Mode::user));
+  c.mov(dword[rcx + static_cast<int>(offsetof(TrapState, repeats))], 0);
+  c.mov(dword[rcx + static_cast<int>(offsetof(TrapState, returns))], 0);
+  c.mov(dword[rbx + static_cast<int>(offsetof(Execution, cut_pc))], kNoPc);
+  c.mov(eax, csr_word(csr::slot_of(csr::kMepc)));
+  c.edges.jump_indirect(at);
+  resume_if_rare(c, at, rare);
   return true;
 }
 #endif

@@ -137,6 +137,10 @@ constexpr bool is_branch(Op op) {
 constexpr bool is_jump(Op op) {
   return traits_of(op).kind == OpKind::jump;
 }
+/// True for the operations that enter or leave a trap handler, except ebreak.
+constexpr bool is_trap(Op op) {
+  return op == Op::ecall || op == Op::mret;
+}
 constexpr bool is_multiply_high(Op op) {
   return traits_of(op).kind == OpKind::multiply_high;
 }

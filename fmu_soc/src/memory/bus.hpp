@@ -50,6 +50,8 @@ class Bus {
   /// Called for an exception at the core's pc, such as an ebreak or ecall. Returns true if the exception was a call to
   /// the host and the host has executed it. The program then continues after the four bytes at the pc.
   virtual bool called_host(std::uint32_t /*cause*/) { return false; }
+  /// True if an ecall may be a call to the host. Does not change during a run.
+  virtual bool serves_environment_calls() const { return false; }
 };
 
 }  // namespace mebots::soc

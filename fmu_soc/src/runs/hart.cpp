@@ -76,6 +76,7 @@ Stop Hart::run(std::uint64_t limit) {
 Stop Hart::continue_run(std::uint64_t limit, bool left_translated) {
   auto& e = execution_;
   limit_.set_end(limit);
+  if (!limit_.is_loose()) e.host.serves_calls = bus_.serves_environment_calls();
   for (;;) {
     if (blocks_.forget_if_stale()) [[unlikely]]
       e.link = nullptr;
@@ -254,6 +255,8 @@ Stop Hart::leave() {
         return Stop::device;
       }
       if (traps_.take_exception()) entered_handler();
+      // Translated code jumps to the handler of an ecall if this link leads there.
+      if (e.trap_cause == cause::kMachineEcall) e.link = &e.exit->link;
       return traps_.fault().happened ? Stop::fault : Stop::limit;
     case Leave::device:
       return Stop::device;

@@ -37,8 +37,8 @@ const translate::Entry* TranslatedRun::translate_when_hot(std::uint32_t number, 
   if (!blocks.is_present(block)) ++block.absences;
   if (++block.heat < kHot) return nullptr;
   const auto first = blocks.instructions(block)->op;
-  if (!decoded_.performs_rare() && ends_block(first) && !translate::has_translation(first)) {
-    cool(block);  // translated code would return at once
+  if (!decoded_.performs_rare() && ends_block(first) && (!translate::has_translation(first) || is_trap(first))) {
+    cool(block);  // its translation would only leave
     return nullptr;
   }
   if (translator == nullptr) {

@@ -67,7 +67,8 @@ class ProgramHost {
   /// Executes the semihosting call at the fabric controller's pc. Returns false if the ebreak there is no semihosting
   /// call.
   bool serve_semihosting();
-  /// Executes the system call at the fabric controller's pc. Returns false if an ecall is an exception.
+  bool serves_environment_calls() const { return serves_ecall_; }
+  /// Serves the ecall at the fabric controller's pc. If ecall is an exception, returns false.
   bool serve_environment_call();
 
   /// Returns the exit code of a program that has ended itself by a semihosting call or an ecall, otherwise nullopt.

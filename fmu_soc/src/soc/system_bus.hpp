@@ -59,6 +59,7 @@ class SystemBus final : public Bus {
   void interrupt_taken(unsigned line) override { devices_.acknowledge(line, hardware_.controller()); }
   bool watched(std::uint32_t /*address*/) override { return program_host_.command() != 0; }
   bool called_host(std::uint32_t cause) override;
+  bool serves_environment_calls() const override { return program_host_.serves_environment_calls(); }
 
   /// Performs an access of a cluster core to a device of the SoC, at the fabric controller's time if that is later.
   BusReply from_cluster(const ClusterAccess& access, Picoseconds time);

@@ -24,7 +24,7 @@ bool emit_instruction(Assembler& a, const Instruction* at) {
     a.edges.resume(at);
     return false;
   }
-  return !is_jump(at->op) && !is_block_end(at->op);
+  return !is_jump(at->op) && !is_trap(at->op) && !is_block_end(at->op);
 }
 
 void emit_node(Assembler& a, const Node& node) {

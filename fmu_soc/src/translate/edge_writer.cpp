@@ -232,7 +232,25 @@ void EdgeWriter::jump(const Instruction* at, std::uint32_t pc, bool jumped) {
   leave_chained(exit);
 }
 
-/// Writes an exit with a new patch point.
+void EdgeWriter::enter_handler(const Instruction* at, std::uint32_t pc) {
+  MEBOTS_ASSERT(at->op == Op::ecall);
+  // An ecall does not retire, so the run may have counted no instruction yet. Other code then assumes that the present
+  // block is the first one of the run.
+  a_.mov(rax, bits_of({}));
+  a_.mov(ptr[rbx + static_cast<int>(offsetof(Execution, pipeline))], rax);
+  a_.fetches.forget_group();
+  if (const auto* node = node_at(at->link, pc); node != nullptr) {
+    check_limit(*node);
+    if (node != following_) a_.jmp(label_of(*node), kNear);
+    return;
+  }
+  Exit exit;
+  exit.pc = pc;
+  exit.at = at;
+  leave_chained(exit);
+}
+
+/// Leaves the block through a new patch point.
 void EdgeWriter::leave_chained(Exit exit) {
   MEBOTS_ASSERT(exit.patch_point == 0 && !exit.indirect);
   a_.registers.store_all();
@@ -247,15 +265,16 @@ void EdgeWriter::leave_chained(Exit exit) {
 }
 
 void EdgeWriter::jump_indirect(const Instruction* at) {
-  MEBOTS_ASSERT(at->op == Op::jalr);
-  // The previous target of an indirect jump is its most likely next target.
+  MEBOTS_ASSERT(at->op == Op::jalr || at->op == Op::mret);
+  const bool jumped = is_jump(at->op);  // mret takes no further cycle for an unaligned target
+  // The most likely target of an indirect jump is its previous target.
   if (const auto* node = at->link != 0 ? region_->find(at->link) : nullptr; node != nullptr) {
     Label guessed;
     a_.cmp(eax, node->block->pc);
     a_.je(guessed, kNear);
-    a_.defer_warm([this, at, node, guessed]() mutable {
+    a_.defer_warm([this, at, node, jumped, guessed]() mutable {
       a_.L(guessed);
-      const auto landing = node->block->unaligned ? kUnalignedTargetExtra : 0U;
+      const auto landing = jumped && node->block->unaligned ? kUnalignedTargetExtra : 0U;
       if (a_.options.flow != nullptr) {
         a_.cycles.count(at, 0);
         a_.cycles.record_flow_to(at, eax);
@@ -275,14 +294,22 @@ void EdgeWriter::jump_indirect(const Instruction* at) {
   a_.mov(ecx, eax);
   a_.and_(ecx, TargetTable::kMask);
   a_.mov(rdx, reinterpret_cast<std::uint64_t>(a_.exits.targets.data()));
-  static_assert(sizeof(TargetTable::Target) == 16 && TargetTable::kStep == 2);
-  a_.cmp(ptr[rdx + rcx * 8], eax);
+  using Target = TargetTable::Target;
+  static_assert(sizeof(Target) == 16 && TargetTable::kStep == 2);
+  const auto field = [](std::size_t offset) { return rdx + rcx * 8 + static_cast<int>(offset); };
+  a_.cmp(dword[field(offsetof(Target, pc))], eax);
   a_.jne(unknown);
-  a_.jmp(ptr[rdx + rcx * 8 + 8]);
+  if (jumped) {
+    a_.jmp(ptr[field(offsetof(Target, jumped))]);
+  } else {
+    a_.mov(eax, dword[field(offsetof(Target, from_jumped_to_plain))]);
+    a_.add(rax, ptr[field(offsetof(Target, jumped))]);
+    a_.jmp(rax);
+  }
   a_.L(unknown);
   Exit exit;
   exit.at = at;
-  exit.jumped = true;
+  exit.jumped = jumped;
   exit.indirect = true;
   a_.mov(eax, add_exit(exit));
   a_.jmp(a_.stubs.leave, kNear);

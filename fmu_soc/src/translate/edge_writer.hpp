@@ -39,7 +39,9 @@ class EdgeWriter {
   template <typename Jump>
   void branch(const Instruction* at, Jump jump_to);
   void jump(const Instruction* at, std::uint32_t pc, bool jumped);
-  /// Writes a jump to the address in eax.
+  /// Jumps from an ecall to its handler at `pc`. The instructions before the ecall must already be counted.
+  void enter_handler(const Instruction* at, std::uint32_t pc);
+  /// Jumps to the address in eax, from jalr or mret.
   void jump_indirect(const Instruction* at);
   /// Writes the edge from the end of a block to the block at `pc`. `is_last` must be true if no other code of the node
   /// follows.

@@ -182,6 +182,12 @@ void FetchWriter::undo_after(const Instruction* at) {
   a_.call(a_.stubs.undo_fetch);
 }
 
+void FetchWriter::forget_group() {
+  if (a_.blocks.fetched() == nullptr || !are_inline()) return;
+  a_.mov(rax, reinterpret_cast<std::uint64_t>(&a_.blocks.fetched()->state().group_refilled));
+  a_.mov(dword[rax], 0);
+}
+
 void FetchWriter::repeat_after(const Instruction* at) {
   const auto later = later_lines_.find(at);
   if (later != later_lines_.end()) emit_refill(later->second.group, later->second.bits);

@@ -27,6 +27,9 @@ class FetchWriter {
   void undo_after(const Instruction* at);
   /// Writes code that fetches these lines again. Changes rax, rcx and rdx.
   void repeat_after(const Instruction* at);
+  /// Writes code after which undo_after() undoes nothing until the next group is fetched. This is necessary if a block
+  /// ends without a retired instruction. Changes rax.
+  void forget_group();
   /// Writes a jump to `absent` that is taken if the line of this address is absent. The written code may change rdx.
   void jump_when_absent(std::uint32_t address, Xbyak::Label& absent);
 

@@ -19,7 +19,7 @@ template <typename Visit>
 void for_successors(const Node& node, Visit visit) {
   const auto* at = node.first;
   for (; !is_block_end(at->op); ++at) {
-    if ((is_branch(at->op) || is_jump(at->op)) && at->link != 0) visit(at->link);
+    if ((is_branch(at->op) || is_jump(at->op) || is_trap(at->op)) && at->link != 0) visit(at->link);
   }
   if (at->op == Op::loop_end && at[1].link != 0) visit(at[1].link);  // first block of the next iteration
   if (at->link != 0) visit(at->link);

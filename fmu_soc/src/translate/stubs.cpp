@@ -308,10 +308,7 @@ Stubs emit_stubs(Assembler& a) {
   a.mov(r15, ptr[rbx + offset_of_host(offsetof(HostState, begin))]);
   a.pxor(xmm15, xmm15);
   a.mov(qword[rbx + offset_of_host(offsetof(HostState, slow_load))], 0);
-  if (a.blocks.fetched() != nullptr && a.fetches.are_inline()) {  // the block has fetched no group yet
-    a.mov(rax, reinterpret_cast<std::uint64_t>(&a.blocks.fetched()->state().group_refilled));
-    a.mov(dword[rax], 0);
-  }
+  a.fetches.forget_group();
   a.jmp(rcx);
 
   stubs.park = a.getCurr();

@@ -19,8 +19,8 @@ class TargetTable {
 
   struct Target {
     std::uint32_t pc;
-    std::uint32_t unused;
-    const std::uint8_t* code;
+    std::uint32_t from_jumped_to_plain;  // distance of two entries: see Entry
+    const std::uint8_t* jumped;
   };
 
   /// Uses calloc(), because pages that are never accessed then take no memory. All entries are then zero, so the entry
@@ -31,9 +31,9 @@ class TargetTable {
   }
 
   const Target* data() const { return targets_.get(); }
-  void set(std::uint32_t pc, const std::uint8_t* code) {
-    MEBOTS_ASSERT((pc & 1U) == 0 && code != nullptr);
-    entry_of(pc) = {pc, 0, code};
+  void set(std::uint32_t pc, const std::uint8_t* jumped, const std::uint8_t* plain) {
+    MEBOTS_ASSERT((pc & 1U) == 0 && jumped != nullptr && plain >= jumped);
+    entry_of(pc) = {pc, static_cast<std::uint32_t>(plain - jumped), jumped};
   }
   void forget(std::uint32_t pc) {
     if (entry_of(pc).pc == pc) entry_of(pc).pc = kNone;

@@ -85,7 +85,7 @@ class HostTranslator : public Translator {
     const auto& exit = exits_.exit(last_exit_);
     if (stalled && !exit.straight) return;
     if (exit.indirect) {
-      if (!exit.straight) exits_.targets.set(block.pc, entry.jumped);
+      if (!exit.straight) exits_.targets.set(block.pc, entry.jumped, entry.plain);
     } else if (exit.patch_point != 0 && exit.pc == block.pc) {
       if (exit.straight && delays_jump(blocks_, block, exit.at)) return;
       chain(exit, entry, stalled);

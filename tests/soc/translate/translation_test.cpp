@@ -143,8 +143,7 @@ INSTANTIATE_TEST_SUITE_P(Translation, RandomProgram, testing::Range(1U, 41U));
 /// Only rare instructions have no translation. Each new instruction needs a translation or an entry here.
 TEST(Translation, ExistsForEveryCommonInstruction) {
   if (!translate::can_translate()) GTEST_SKIP() << "this build or host translates nothing";
-  const std::set<Op> rare{Op::illegal, Op::ecall, Op::ebreak, Op::fence_i, Op::mret,
-                          Op::wfi,     Op::p_elw, Op::p_clb,  Op::fclass_s};
+  const std::set<Op> rare{Op::illegal, Op::ebreak, Op::fence_i, Op::wfi, Op::p_elw, Op::p_clb, Op::fclass_s};
   for (const auto& row : encodings()) {
     EXPECT_EQ(translate::has_translation(row.op), !rare.contains(row.op) && !is_atomic(row.op)) << row.name;
   }
@@ -274,6 +273,83 @@ places: .word data, data, {0}, data, data, data, {1}, data
             << "\ninterpreted: " << text_of(pair.interpreted);
       }
       EXPECT_EQ(pair.translated.word("tohost"), 1U);
+    }
+  }
+}
+
+TEST(Translation, TakesTrapsAsTheInterpreter) {
+  // Two ecalls, one of them the first instruction of its block. The handler sometimes raises another exception, moves
+  // the trap vector, returns elsewhere, or disables interrupts. Timer interrupts come at random times.
+  const auto program = assemble(R"(
+_start: la s0, handler
+    csrw mtvec, s0
+    li t0, 1 << 7 | 1 << 11
+    csrw mie, t0
+    la s2, counts
+    li s1, 20000
+1:  csrsi mstatus, 8
+    addi a2, a2, 3
+    ecall
+    lw a0, 0(s2)
+    j 2f
+    .balign 4
+2:  ecall
+    add a1, a1, a0
+    addi s1, s1, -1
+    bnez s1, 1b
+    j done
+    .balign 256
+handler: csrr t0, mcause
+    bltz t0, interrupt
+    csrr t1, mepc
+    lw t2, 0(s2)
+    addi t2, t2, 1
+    sw t2, 0(s2)
+    andi t3, t2, 127
+    bnez t3, 3f
+    la t4, other
+    csrw mtvec, t4
+3:  andi t3, t2, 255
+    addi t3, t3, -9
+    bnez t3, 4f
+    la t4, skip
+    csrw mtvec, t4
+    ecall
+    .balign 256
+skip: csrw mtvec, s0
+4:  andi t3, t2, 511
+    addi t3, t3, -77
+    bnez t3, 5f
+    li t3, 1 << 7
+    csrc mstatus, t3
+5:  addi t1, t1, 4
+    csrw mepc, t1
+    mret
+interrupt: lw t2, 4(s2)
+    addi t2, t2, 1
+    sw t2, 4(s2)
+    mret
+    .balign 256
+other: csrw mtvec, s0
+    csrr t1, mepc
+    addi t1, t1, 4
+    csrw mepc, t1
+    mret
+done:
+)" + std::string(kEnd) + R"(
+    .data
+    .balign 4
+counts: .word 0, 0
+)");
+  for (const auto kind : {CoreKind::rv32imc, CoreKind::cv32e40p, CoreKind::ri5cy}) {
+    for (const std::uint32_t bytes : {0, 128, 1024}) {
+      MachineSettings settings{.kind = kind, .options = Extension::user};
+      if (bytes != 0) settings.instruction_cache = small_cache(bytes);
+      for (std::uint32_t seed = 0; seed < 4; ++seed) {
+        Pair pair(program, settings);
+        compare_at_random_limits(pair, seed);
+        settings.options = {};
+      }
     }
   }
 }
