@@ -128,6 +128,7 @@ class Cluster final : private ClusterBus, private ClusterEvents {
 
   // Functions that the cores call.
   BusReply access(const ClusterAccess& access) override;
+  bool permits_at_once(std::uint64_t tick) override { return scheduler_.permits_at_once(tick); }
   std::uint32_t interrupt_taken(unsigned core, unsigned line) override;
   bool watched(std::uint32_t address) override { return watcher_ && watcher_(address); }
   BusReply access_outside(const ClusterAccess& access);

@@ -21,7 +21,9 @@ class ClusterBus {
  public:
   virtual ~ClusterBus() = default;
   virtual BusReply access(const ClusterAccess& access) = 0;
-  /// Called when a core takes the interrupt of a line. Returns the lines that are still pending.
+  /// True if the only core that is awake may access shared devices in this tick without a permission.
+  virtual bool permits_at_once(std::uint64_t tick) = 0;
+  /// Called when a core takes the interrupt of a line. Returns the lines that are pending afterwards.
   virtual std::uint32_t interrupt_taken(unsigned core, unsigned line) = 0;
   /// Called after a store into a watched word. The run ends if the function returns true.
   virtual bool watched(std::uint32_t address) = 0;
@@ -146,7 +148,7 @@ class ClusterCore final : private Bus {
 
   BusReply turn(std::uint32_t address, std::uint64_t cycle, const std::uint32_t* stored, bool event,
                 unsigned size = 4) {
-    if (!granted_) {
+    if (!granted_ && !bus_.permits_at_once(tick_of(cycle))) {
       waits_for_turn_ = true;
       return {BusReply::Kind::later};
     }

@@ -69,6 +69,7 @@ std::uint64_t ClusterScheduler::run_quantum(std::uint64_t start, std::uint64_t u
   if (dma_first_) dma_.occupy(banks_, end);
   line_up(end);
   in_step_ = false;
+  end_ = end;
   run_queue(0, end);
   next_in_front();
   return finish_quantum(end);
@@ -80,6 +81,7 @@ std::uint64_t ClusterScheduler::run_quantum_in_step(std::uint64_t start, std::ui
   MEBOTS_ASSERT(sharing_banks_ && start > banks_.start());
   move_banks(start);
   const auto end = std::min(start + settings_.quantum, until);
+  end_ = end;
   line_up(end);
   next_in_front();
   const auto round = Hart::run_round_robin(queue_.front()->hart(), end);
@@ -98,6 +100,7 @@ std::uint64_t ClusterScheduler::finish_quantum(std::uint64_t end) {
         const auto now = next_tick();
         end = std::min(end, now + settings_.quantum);
         move_banks(std::max(banks_.start(), now));
+        end_ = end;
       }
     }
     dma_.occupy(banks_, end);
@@ -121,6 +124,13 @@ std::uint64_t ClusterScheduler::finish_quantum(std::uint64_t end) {
     run_core(core, stop);
   }
   return kNoTick;
+}
+
+bool ClusterScheduler::permits_at_once(std::uint64_t tick) {
+  if (awake_ != 1 || tick >= std::min(alarm_, end_)) return false;
+  // As in finish_quantum(), the DMA first claims its banks, because conflicts may delay the end of a transfer.
+  dma_.occupy(banks_, end_);
+  return tick < dma_.next_tick();
 }
 
 /// Handles the registers' event that is due now.

@@ -57,6 +57,10 @@ class ClusterScheduler {
   /// then. Otherwise `start` must be the result of next_tick().
   std::uint64_t run_quantum(std::uint64_t start, std::uint64_t until, bool undisturbed);
 
+  /// True if the core that runs may access shared devices in this tick at once: all other cores sleep, and no event
+  /// comes before. Must be called in the order of the core's accesses.
+  bool permits_at_once(std::uint64_t tick);
+
   /// Sets the tick of the registers' next event.
   void set_alarm(std::uint64_t tick) { alarm_ = tick; }
   /// Must be called if a core may have started, woken or fallen asleep, or if its interrupts may have changed.
@@ -97,10 +101,11 @@ class ClusterScheduler {
   std::vector<ClusterCore*> cores_;
   unsigned awake_ = 0;
   std::uint64_t alarm_ = kNoTick;  // next event of the registers
-  std::uint32_t first_core_ = 0;   // first core of the next quantum if all cores are awake
-  bool dma_first_ = false;         // true if the DMA claims banks before the cores in the next quantum
-  bool sharing_banks_ = false;     // true if bank conflicts are possible
-  bool goes_on_ = true;            // set to false to end the run
+  std::uint32_t first_core_ = 0;   // first core in the next quantum if all cores are awake
+  bool dma_first_ = false;         // true if the DMA claims banks before the cores in that quantum
+  bool sharing_banks_ = false;     // true if conflicts at the banks are possible
+  std::uint64_t end_ = 0;          // of this quantum
+  bool goes_on_ = true;            // false after the run was ended
   /// Cores of this quantum that run without permission, in the order in which they run.
   std::vector<ClusterCore*> queue_;
   bool in_step_ = false;          // true if all awake cores have ended the last quantum in translated code

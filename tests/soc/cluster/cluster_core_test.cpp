@@ -63,6 +63,7 @@ class LoneClusterCore : public testing::Test, private ClusterBus {
   std::vector<std::uint32_t> accessed;
 
  private:
+  bool permits_at_once(std::uint64_t /*tick*/) override { return false; }
   BusReply access(const ClusterAccess& access) override {
     accessed.push_back(access.address);
     return BusReply::done();
