@@ -36,8 +36,8 @@ def compile_command(sources, options, place, path):
             ["-T", HERE / "programs/link.ld", HERE / "programs/start.S", *sources, "-lm", "-o", path])
 
 
-def compile_program(sources, options, for_qemu, path):
-    place = ["-DFOR_QEMU"] if for_qemu else [f"-Wl,--defsym=BASE={BASE}"]
+def compile_program(sources, options, kind, path):
+    place = {"mebots": [f"-Wl,--defsym=BASE={BASE}"], "QEMU": ["-DFOR_QEMU"], "Spike": []}[kind]
     subprocess.run(compile_command(sources, options, place, path), check=True)
 
 
@@ -65,7 +65,7 @@ def instructions_of(text):
 def scales(name, program, soc, folder):
     """Measures the program once. Returns the scales of the program's length for the short and for the long run."""
     path = folder / f"{name}-once.elf"
-    compile_program(*program(1), False, path)
+    compile_program(*program(1), "mebots", path)
     once = instructions_of(run(soc + [path])[0])
     return {False: math.ceil(SHORT_INSTRUCTIONS / once), True: math.ceil(LONG_INSTRUCTIONS / once)}
 
@@ -73,21 +73,22 @@ def scales(name, program, soc, folder):
 def measure(name, program, sims, repeats, folder):
     """Returns simulator -> rate [million instructions per second]. Also returns whether all results are correct."""
     files = {}
+    kinds = {sim: sim.split()[0] for sim in sims}
     for is_long, scale in scales(name, program, sims["mebots"][0], folder).items():
         sources, options = program(scale)
-        for for_qemu in (False, True):
-            files[is_long, for_qemu] = folder / f"{name}-{is_long}-{for_qemu}.elf"
-            compile_program(sources, options, for_qemu, files[is_long, for_qemu])
+        for kind in set(kinds.values()):
+            files[is_long, kind] = folder / f"{name}-{is_long}-{kind}.elf"
+            compile_program(sources, options, kind, files[is_long, kind])
     rates, counts, good = {sim: [] for sim in sims}, {}, True
     for _ in range(repeats):
-        for sim, (command, for_qemu) in sims.items():
+        for sim, (command, _) in sims.items():
             seconds = {}
             for is_long in (False, True):
-                text, code, seconds[is_long] = run(command + [files[is_long, for_qemu]])
+                text, code, seconds[is_long] = run(command + [files[is_long, kinds[sim]]])
                 if code != 0:
                     print(f"{name}: {sim} ends with {code}\n{text}", file=sys.stderr)
                     good = False
-                if not for_qemu:
+                if kinds[sim] == "mebots":
                     counts[is_long] = instructions_of(text)
             rates[sim].append((counts[True] - counts[False]) / (seconds[True] - seconds[False]) / 1e6)
     return {sim: statistics.median(values) for sim, values in rates.items()}, good

@@ -1,22 +1,22 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Measures the cases in which mebots-soc is slowest, and compares them with QEMU.
+"""Measures the cases in which mebots-soc is slowest, next to QEMU and Spike, in one run.
 
     scripts/setup.sh bench
     bench/soc/slow_cases.py [--build build/release] [--before OTHER/BUILD] [--repeats 5] [--embench CHECKOUT]
 
 | case | what is measured |
 |---|---|
-| hot code | the rate of code of 5.7, 11, 44 and 175 KiB behind GAP8's cache, and of QEMU -icount (code_size.py) |
+| hot code | the rate of code of 5.7, 11, 44 and 175 KiB behind GAP8's cache, and of QEMU -icount and Spike (code_size.py) |
 | device register, mcycle, trap | the time of a load from a register of the PLIC, of a read of mcycle, and of ecall with a handler (below) |
 | barrier, DMA | the time of a barrier of eight cores, and of a DMA copy of 256 bytes with its wait (programs/cluster_events.c) |
 | RAM | processor time and memory of a short run with 128 MiB of RAM |
 | Embench | the rate of nettle-sha256, the slowest program (embench.py), with --embench |
 
-The time of an event is the time of a loop with the event minus the time of the same loop without it (programs/events.c, on board
-virt and on QEMU's machine virt). The trap's handler has four instructions. All times are processor time; simulators and builds
-alternate. Times are the minimum of the repeats, rates are the median. With `--before`, also prints the times of another build of
-mebots-soc. The exit code is 1 if a program's checksums differ.
+The time of an event is that of a loop with the event minus that of the same loop without it (programs/events.c, on board virt and on
+QEMU's machine virt). Spike has the same addresses. The trap's handler has four instructions. All times are processor time; simulators and builds alternate. Times are
+the least of the repeats, and rates are the median. With `--before`, the times of another build of mebots-soc follow. The exit code is 1
+if a program's checksums differ.
 """
 
 import argparse
@@ -36,23 +36,31 @@ CLUSTER_EVENTS = {"barrier of eight cores": 1, "DMA copy of 256 bytes with its w
 SHORT_TURNS, LONG_TURNS = 100_000, 2_100_000
 CLUSTER_TURNS = {False: 2_000, True: 102_000}
 SLOWEST = "nettle-sha256"
+SPIKE = "Spike"
+OTHERS = ("QEMU -icount", SPIKE)
 
 
-def event_program(event, turns, folder):
-    path = folder / f"event-{event}-{turns}.elf"
-    subprocess.run(GCC + ["-DFOR_QEMU", f"-DEVENT={event}", f"-DTURNS={turns}", "-T", HERE / "programs/link.ld",
+def event_program(event, turns, folder, for_spike=False):
+    path = folder / f"event-{event}-{turns}{'-spike' if for_spike else ''}.elf"
+    subprocess.run(GCC + ([] if for_spike else ["-DFOR_QEMU"]) + [f"-DEVENT={event}", f"-DTURNS={turns}", "-T", HERE / "programs/link.ld",
                           HERE / "programs/start.S", HERE / "programs/events.c", "-o", path], check=True)
     return path
 
 
-def least_times(commands, files, repeats, turns):
-    """Returns each simulator's least time of one turn [ns]. Also returns whether all exit codes of a file are equal."""
+def event_files(event, folder, for_spike=False):
+    return {False: event_program(event, SHORT_TURNS, folder, for_spike),
+            True: event_program(event, LONG_TURNS, folder, for_spike)}
+
+
+def least_times(commands, files, repeats, turns, files_of=None):
+    """Returns for each simulator the least time of one turn [ns], and whether all exit codes are equal. `files_of` has
+    the files of simulators that need others."""
     best = {}
     codes, good = {}, True
     for _ in range(repeats):
         for sim, command in commands.items():
             seconds = {}
-            for is_long, file in files.items():
+            for is_long, file in (files_of or {}).get(sim, files).items():
                 text, code, seconds[is_long] = run(command + [file])
                 if code != codes.setdefault(is_long, code):
                     print(f"{sim}: {file.name} ends with {code}, not {codes[is_long]}\n{text}", file=sys.stderr)
@@ -72,12 +80,12 @@ def measure_events(builds, sims, repeats, folder):
     commands = {}
     for name, soc in builds.items():
         commands |= {name: [soc, "run", *board], f"{name}, interpreted": [soc, "run", "--interpret", *board]}
-    commands |= {sim: command for sim, (command, for_qemu) in sims.items() if for_qemu}
+    commands |= {sim: command for sim, (command, for_qemu) in sims.items() if for_qemu or sim == SPIKE}
     print("\nTime of one event [ns]\n\n| event | " + " | ".join(commands) + " |\n|---|" + "---|" * len(commands))
     loop, good = {}, True
     for name, event in EVENTS.items():
-        files = {False: event_program(event, SHORT_TURNS, folder), True: event_program(event, LONG_TURNS, folder)}
-        times, right = least_times(commands, files, repeats, LONG_TURNS - SHORT_TURNS)
+        times, right = least_times(commands, event_files(event, folder), repeats, LONG_TURNS - SHORT_TURNS,
+                                   {SPIKE: event_files(event, folder, True)})
         good = good and right
         loop = loop or times
         print_row(name, times if event == 0 else {sim: time - loop[sim] for sim, time in times.items()})
@@ -118,16 +126,18 @@ def measure_ram(builds, folder):
 
 
 def print_rates(name, rates, ours):
-    qemu = rates.get("QEMU -icount")
-    ratio = f"{rates[ours] / qemu:.2f}" if qemu else ""
-    print(f"| {name} | {rates[ours]:.0f} | {f'{qemu:.0f}' if qemu else ''} | {ratio} |", flush=True)
+    cells = [f"{rates[ours]:.0f}"]
+    for other in OTHERS:
+        cells += [f"{rates[other]:.0f}", f"{rates[ours] / rates[other]:.2f}"] if other in rates else ["", ""]
+    print(f"| {name} | " + " | ".join(cells) + " |", flush=True)
 
 
 def measure_rates(build, options, folder):
-    """Prints the rates of mebots-soc and QEMU -icount, in million instructions per second. Returns whether the checksums are
-    equal."""
-    sims = {name: one for name, one in code_size.contenders(build).items() if name in (code_size.CACHED, "QEMU -icount")}
-    print("| code | mebots behind 4 KiB [MIPS] | QEMU -icount [MIPS] | ratio |\n|---|---|---|---|", flush=True)
+    """Prints the rates of mebots-soc and QEMU -icount, in million instructions per second. Returns whether the
+    checksums are equal."""
+    sims = {name: one for name, one in code_size.contenders(build).items() if name in (code_size.CACHED, *OTHERS)}
+    print("| code | mebots behind 4 KiB [MIPS] | QEMU -icount [MIPS] | ratio | Spike [MIPS] | ratio |\n|---|---|---|---|---|---|",
+          flush=True)
     good = True
     for size in SIZES_KIB:
         rates, right = code_size.measure(size, sims, int(options.instructions), options.repeats, folder)
@@ -136,7 +146,7 @@ def measure_rates(build, options, folder):
     if options.embench:
         found = simulators(build)
         ours = found["mebots translated"][0] + ["--board", ROOT / "configs/boards/gap8_bare.json"]
-        both = {"mebots": (ours, False)} | {sim: one for sim, one in found.items() if sim == "QEMU -icount"}
+        both = {"mebots": (ours, False)} | {sim: one for sim, one in found.items() if sim in OTHERS}
         program = embench.embench_programs(options.embench.resolve(), folder)[SLOWEST]
         rates, right = embench.measure(SLOWEST, program, both, options.repeats, folder)
         print_rates(SLOWEST, rates, "mebots")
