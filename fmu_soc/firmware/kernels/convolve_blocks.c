@@ -201,7 +201,13 @@ static inline __attribute__((always_inline)) void convolve(const layer_step_t* s
   if (has_sides) {
     inside = columns_inside(layer, columns, is_pooled);
   }
-  block_t block = {layer->runs_y, layer->run_words, layer->step_y, layer->low, layer->high, channels, 0, to, {0}};
+  block_t block;  // without an initialiser, which would clear the sums
+  block.runs = layer->runs_y;
+  block.words = layer->run_words;
+  block.step = layer->step_y;
+  block.low = layer->low;
+  block.high = layer->high;
+  block.to_next = channels;
   for (; unit < end; place += each, to += each * channels, number = 0) {
     const uint8_t* patches[4];
     const int32_t x = at.x;
