@@ -6,8 +6,8 @@
 
 #include "kernels/requantise.h"
 
-// A block of four output positions and four channels. The assembly of compute_bytes() depends on the offsets of the
-// fields.
+// A block of four output positions and four channels, or of several groups of four channels. The assembly uses the
+// places of the fields.
 typedef struct {
   int32_t runs;   // ranges of contiguous bytes in a patch
   int32_t words;  // words in a run
@@ -16,27 +16,31 @@ typedef struct {
   int32_t high;
   int32_t to_next;  // bytes from one output position to the next
   const layer_group_t* group;
-  uint8_t* to;       // first output position
-  int32_t sums[16];  // four channels of the first position, then of the second position, and so on
+  int32_t groups;             // from `group` on
+  uint8_t* to;                // first output position
+  const uint8_t* patches[4];  // of the output positions
+  int32_t sums[16];           // four channels of the first position, then of the second one ...
 } block_t;
 
 #ifdef __riscv
-
-// Offset of a group's biases from the group's weights [bytes].
-#define BIAS(scaling) \
-  ((int)offsetof(layer_group_t, bias) - (int)sizeof(layer_group_t) - ((scaling) == SCALING_EXACT ? 16 : 0))
 
 #define FOUR_PRODUCTS(a, b, c, d, patch) \
   XPULP_SDOTUSP_B(a, patch, "t0")        \
   XPULP_SDOTUSP_B(b, patch, "t1") XPULP_SDOTUSP_B(c, patch, "t2") XPULP_SDOTUSP_B(d, patch, "t3")
 
+// Bytes of a group before its weights.
+#define HEADER(scaling) (sizeof(layer_group_t) + ((scaling) == SCALING_EXACT ? 16 : 0))
+
 #define FIELD(name) "%[" #name "](%[block])\n\t"
 
 // Computes the sums of a block in s0 to s11 and a4 to a7. Eight loads provide the operands of sixteen dot products. The
-// weights are interleaved: one word for each of four channels.
+// weights are word by word, each for four channels. At the end, w is the next group.
 #define COMPUTE_SUMS \
+  "lw %[w], " FIELD(group)                                                                                             \
+  "lw %[p0], %[patches](%[block])\n\tlw %[p1], %[patches]+4(%[block])\n\t"                                            \
+  "lw %[p2], %[patches]+8(%[block])\n\tlw %[p3], %[patches]+12(%[block])\n\t"                                         \
   "lw s0, %[bias](%[w])\n\tlw s1, %[bias]+4(%[w])\n\tlw s2, %[bias]+8(%[w])\n\tlw s3, %[bias]+12(%[w])\n\t"            \
-  "lw t4, " FIELD(runs)                                                                                                \
+  "lw t4, " FIELD(runs) "addi %[w], %[w], %[header]\n\t"                                                              \
   "mv s4, s0\n\tmv s5, s1\n\tmv s6, s2\n\tmv s7, s3\n\tmv s8, s0\n\tmv s9, s1\n\tmv s10, s2\n\tmv s11, s3\n\t"         \
   "mv a4, s0\n\tmv a5, s1\n\tmv a6, s2\n\tmv a7, s3\n\t"                                                               \
   XPULP_LOOP("x1", "t4", "31") "lw t4, " FIELD(words) XPULP_LOOP("x0", "t4", "24")                                     \
@@ -72,75 +76,93 @@ typedef struct {
   ", %[p1]\n\t"                                                                                \
   "add " a ", " a ", %[p0]\n\t"
 
-// Converts a channel's sum to a byte. Registers: addend t1, shift t2, bounds t3 and t4, group t5.
-#define CONVERT(product, a) product(a) XPULP_ADDNR(a, "t1", "t2") XPULP_MAX(a, a, "t3") XPULP_MIN(a, a, "t4")
+// Limit a value. The bounds are t3 and t4; FROM_ZERO is faster, but needs the lower bound 0.
+#define BETWEEN(a) XPULP_MAX(a, a, "t3") XPULP_MIN(a, a, "t4")
+#define FROM_ZERO(a) XPULP_CLIPUR(a, a, "t4")
+
+// Converts a sum of a channel to a byte: addend in t1, shift in t2, bounds in t3 and t4, group in t5.
+#define CONVERT(product, limit, a) product(a) XPULP_ADDNR(a, "t1", "t2") limit(a)
 #define LOWER_OF_NARROW(channel) ""
 #define LOWER_OF_WIDE(channel) ""
 #define LOWER_OF_EXACT(channel) "lw %[p1], %[lower]+4*" channel "(t5)\n\t"
 #define LOAD_NUMBERS(product, channel)                                    \
   "lw t0, %[multiplier]+4*" channel "(t5)\n\tlw t1, %[addend]+4*" channel \
   "(t5)\n\t" LOWER_OF_##product(channel) "lbu t2, %[shift]+" channel "(t5)\n\t"
-#define CONVERT_CHANNEL(product, channel, a, b, c, d) \
-  LOAD_NUMBERS(product, channel) CONVERT(product, a) CONVERT(product, b) CONVERT(product, c) CONVERT(product, d)
-#define CONVERT_LARGEST(product, channel, a) LOAD_NUMBERS(product, channel) CONVERT(product, a)
+#define CONVERT_CHANNEL(product, limit, channel, a, b, c, d) \
+  LOAD_NUMBERS(product, channel)                             \
+  CONVERT(product, limit, a) CONVERT(product, limit, b) CONVERT(product, limit, c) CONVERT(product, limit, d)
+#define CONVERT_LARGEST(product, limit, channel, a) LOAD_NUMBERS(product, channel) CONVERT(product, limit, a)
 
 #define STORE(a, b, c, d) XPULP_PACKLO_B(a, b, a) XPULP_PACKHI_B(a, d, c) XPULP_SW_POST_REG(a, "t1", "t0")
-#define LOAD_BOUNDS "lw t3, " FIELD(low) "lw t4, " FIELD(high) "lw t5, " FIELD(group)
-#define LOAD_PLACE "lw t0, " FIELD(to) "lw t1, " FIELD(to_next)
+#define LOAD_BOUNDS "lw t3, " FIELD(low) "lw t4, " FIELD(high) "lw t5, " FIELD(group) "sw %[w], " FIELD(group)
+// t0 is the place of the first position; the place of the next group is four bytes behind it.
+#define LOAD_PLACE "lw t0, " FIELD(to) "lw t1, " FIELD(to_next) "addi t2, t0, 4\n\tsw t2, " FIELD(to)
 
-#define CONVERT_AND_STORE(product)                                                                                 \
-  LOAD_BOUNDS CONVERT_CHANNEL(product, "0", "s0", "s4", "s8", "a4")                                                \
-      CONVERT_CHANNEL(product, "1", "s1", "s5", "s9", "a5") CONVERT_CHANNEL(product, "2", "s2", "s6", "s10", "a6") \
-          CONVERT_CHANNEL(product, "3", "s3", "s7", "s11", "a7") LOAD_PLACE STORE("s0", "s1", "s2", "s3")          \
-              STORE("s4", "s5", "s6", "s7") STORE("s8", "s9", "s10", "s11") STORE("a4", "a5", "a6", "a7")
-#define CONVERT_AND_STORE_LARGEST(product)                                                         \
-  KEEP_LARGEST LOAD_BOUNDS CONVERT_LARGEST(product, "0", "s0") CONVERT_LARGEST(product, "1", "s1") \
-      CONVERT_LARGEST(product, "2", "s2") CONVERT_LARGEST(product, "3", "s3") LOAD_PLACE STORE("s0", "s1", "s2", "s3")
+#define CONVERT_AND_STORE(product, limit)                                                                            \
+  LOAD_BOUNDS CONVERT_CHANNEL(product, limit, "0", "s0", "s4", "s8", "a4")                                           \
+      CONVERT_CHANNEL(product, limit, "1", "s1", "s5", "s9", "a5")                                                   \
+          CONVERT_CHANNEL(product, limit, "2", "s2", "s6", "s10", "a6")                                              \
+              CONVERT_CHANNEL(product, limit, "3", "s3", "s7", "s11", "a7") LOAD_PLACE STORE("s0", "s1", "s2", "s3") \
+                  STORE("s4", "s5", "s6", "s7") STORE("s8", "s9", "s10", "s11") STORE("a4", "a5", "a6", "a7")
+#define CONVERT_AND_STORE_LARGEST(product, limit)                                                                \
+  KEEP_LARGEST LOAD_BOUNDS CONVERT_LARGEST(product, limit, "0", "s0") CONVERT_LARGEST(product, limit, "1", "s1") \
+      CONVERT_LARGEST(product, limit, "2", "s2") CONVERT_LARGEST(product, limit, "3", "s3")                      \
+          LOAD_PLACE STORE("s0", "s1", "s2", "s3")
 
-#define RUN(text)                                                                                                      \
-  __asm__ volatile(                                                                                                    \
-      COMPUTE_SUMS text                                                                                                \
-      : [p0] "+r"(p0), [p1] "+r"(p1), [p2] "+r"(p2), [p3] "+r"(p3), [w] "+r"(weights)                                  \
-      : [block] "r"(block), [bias] "i"(BIAS(scaling)), [runs] "i"(offsetof(block_t, runs)),                            \
-        [words] "i"(offsetof(block_t, words)), [step] "i"(offsetof(block_t, step)), [low] "i"(offsetof(block_t, low)), \
-        [high] "i"(offsetof(block_t, high)), [to] "i"(offsetof(block_t, to)),                                          \
-        [to_next] "i"(offsetof(block_t, to_next)), [group] "i"(offsetof(block_t, group)),                              \
-        [sums] "i"(offsetof(block_t, sums)), [multiplier] "i"(offsetof(layer_group_t, multiplier)),                    \
-        [addend] "i"(offsetof(layer_group_t, addend)), [shift] "i"(offsetof(layer_group_t, shift)),                    \
-        [lower] "i"(sizeof(layer_group_t))                                                                             \
-      : "s0", "s1", "s2", "s3", "s4", "s5", "s6", "s7", "s8", "s9", "s10", "s11", "t0", "t1", "t2", "t3", "t4", "t5",  \
+// Repeats `text` for each group.
+#define FOR_EACH_GROUP(text) \
+  "1:\n\t" text "lw t0, " FIELD(groups) "addi t0, t0, -1\n\tsw t0, " FIELD(groups) "bnez t0, 1b\n\t"
+
+#define RUN(text)                                                                                                     \
+  __asm__ volatile(                                                                                                   \
+      text                                                                                                            \
+      : [p0] "=&r"(p0), [p1] "=&r"(p1), [p2] "=&r"(p2), [p3] "=&r"(p3), [w] "=&r"(w)                                  \
+      : [block] "r"(block), [bias] "i"(offsetof(layer_group_t, bias)), [header] "i"(HEADER(scaling)),                 \
+        [runs] "i"(offsetof(block_t, runs)), [words] "i"(offsetof(block_t, words)),                                   \
+        [step] "i"(offsetof(block_t, step)), [low] "i"(offsetof(block_t, low)), [high] "i"(offsetof(block_t, high)),  \
+        [to] "i"(offsetof(block_t, to)), [to_next] "i"(offsetof(block_t, to_next)),                                   \
+        [group] "i"(offsetof(block_t, group)), [groups] "i"(offsetof(block_t, groups)),                               \
+        [patches] "i"(offsetof(block_t, patches)), [sums] "i"(offsetof(block_t, sums)),                               \
+        [multiplier] "i"(offsetof(layer_group_t, multiplier)), [addend] "i"(offsetof(layer_group_t, addend)),         \
+        [shift] "i"(offsetof(layer_group_t, shift)), [lower] "i"(sizeof(layer_group_t))                               \
+      : "s0", "s1", "s2", "s3", "s4", "s5", "s6", "s7", "s8", "s9", "s10", "s11", "t0", "t1", "t2", "t3", "t4", "t5", \
         "a4", "a5", "a6", "a7", "memory")
 
-static inline __attribute__((always_inline)) void compute_sums(block_t* block, const uint8_t* const patches[4],
-                                                               int scaling) {
-  const uint8_t *p0 = patches[0], *p1 = patches[1], *p2 = patches[2], *p3 = patches[3];
-  const int8_t* weights = weights_of(block->group, scaling);
-  RUN(KEEP_SUMS);
+// Computes the sums of the block's first group.
+static inline __attribute__((always_inline)) void compute_sums(block_t* block, int scaling) {
+  const uint8_t *p0, *p1, *p2, *p3, *w;
+  RUN(COMPUTE_SUMS KEEP_SUMS);
 }
 
-// Computes and stores the bytes of a whole block. If `is_pooled` is set, stores for each channel only the byte of the
-// greatest sum.
-static inline __attribute__((always_inline)) void compute_bytes(block_t* block, const uint8_t* const patches[4],
-                                                                int is_pooled, int scaling) {
-  const uint8_t *p0 = patches[0], *p1 = patches[1], *p2 = patches[2], *p3 = patches[3];
-  const int8_t* weights = weights_of(block->group, scaling);
+#define RUN_LIMITED(convert, product)                              \
+  if (block->low == 0) {                                           \
+    RUN(FOR_EACH_GROUP(COMPUTE_SUMS convert(product, FROM_ZERO))); \
+  } else {                                                         \
+    RUN(FOR_EACH_GROUP(COMPUTE_SUMS convert(product, BETWEEN)));   \
+  }
+
+// Computes and stores the bytes of all groups, which have four channels each. Pooled: of the greatest sums. Advances
+// `group` and `to`.
+static inline __attribute__((always_inline)) void compute_bytes(block_t* block, int is_pooled, int scaling) {
+  const uint8_t *p0, *p1, *p2, *p3, *w;
   if (is_pooled && scaling == SCALING_NARROW) {
-    RUN(CONVERT_AND_STORE_LARGEST(NARROW));
+    RUN_LIMITED(CONVERT_AND_STORE_LARGEST, NARROW)
   } else if (is_pooled && scaling == SCALING_WIDE) {
-    RUN(CONVERT_AND_STORE_LARGEST(WIDE));
+    RUN_LIMITED(CONVERT_AND_STORE_LARGEST, WIDE)
   } else if (is_pooled) {
-    RUN(CONVERT_AND_STORE_LARGEST(EXACT));
+    RUN_LIMITED(CONVERT_AND_STORE_LARGEST, EXACT)
   } else if (scaling == SCALING_NARROW) {
-    RUN(CONVERT_AND_STORE(NARROW));
+    RUN_LIMITED(CONVERT_AND_STORE, NARROW)
   } else if (scaling == SCALING_WIDE) {
-    RUN(CONVERT_AND_STORE(WIDE));
+    RUN_LIMITED(CONVERT_AND_STORE, WIDE)
   } else {
-    RUN(CONVERT_AND_STORE(EXACT));
+    RUN_LIMITED(CONVERT_AND_STORE, EXACT)
   }
 }
 
-static inline __attribute__((always_inline)) void compute_first_sums(block_t* block, const uint8_t* patch,
-                                                                     int scaling) {
+// Computes the sums of the first position only.
+static inline __attribute__((always_inline)) void compute_first_sums(block_t* block, int scaling) {
+  const uint8_t* patch = block->patches[0];
   const int8_t* weights = weights_of(block->group, scaling);
   const int32_t* bias = block->group->bias;
   int32_t a = bias[0], b = bias[1], c = bias[2], d = bias[3];
@@ -157,10 +179,10 @@ static inline __attribute__((always_inline)) void compute_first_sums(block_t* bl
 
 #else
 
-static inline void compute_sums(block_t* block, const uint8_t* const patches[4], int scaling) {
+static inline void compute_sums(block_t* block, int scaling) {
   for (int i = 0; i < 16; ++i) {
     const int8_t* weight = weights_of(block->group, scaling) + i % 4 * 4;
-    const uint8_t* p = patches[i / 4];
+    const uint8_t* p = block->patches[i / 4];
     int32_t sum = block->group->bias[i % 4];
     for (int32_t run = 0; run < block->runs; ++run, p += block->step) {
       for (int32_t word = 0; word < block->words; ++word, weight += 16, p += 4) {
@@ -171,9 +193,8 @@ static inline void compute_sums(block_t* block, const uint8_t* const patches[4],
   }
 }
 
-static inline void compute_first_sums(block_t* block, const uint8_t* patch, int scaling) {
-  const uint8_t* const patches[4] = {patch, patch, patch, patch};
-  compute_sums(block, patches, scaling);
+static inline void compute_first_sums(block_t* block, int scaling) {
+  compute_sums(block, scaling);
 }
 
 #endif

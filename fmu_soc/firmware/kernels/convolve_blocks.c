@@ -114,8 +114,8 @@ typedef struct {
   int32_t to_lower;
 } places_t;
 
-// Sets the patches of the next four positions. After the last position, repeats its patch.
-static void next_four(places_t* at, int32_t left, const uint8_t* patches[4]) {
+// Does what next_four() does if the positions are in several rows, or if there are fewer than four.
+static __attribute__((noinline)) void next_few(places_t* at, int32_t left, const uint8_t* patches[4]) {
   const uint8_t* patch = at->row + at->x * at->to_next;
   for (int i = 0; i < 4; ++i, --left) {
     patches[i] = patch;
@@ -131,7 +131,24 @@ static void next_four(places_t* at, int32_t left, const uint8_t* patches[4]) {
   }
 }
 
-// Sets the patches of the four positions that are pooled next.
+// Sets the patches of the next four positions. After the last position, its patch is repeated.
+static inline __attribute__((always_inline)) void next_four(places_t* at, int32_t left, const uint8_t* patches[4]) {
+  if (at->x + 4 > at->columns) {
+    next_few(at, left, patches);
+    return;
+  }
+  const uint8_t* patch = at->row + at->x * at->to_next;
+  for (int i = 0; i < 4; ++i, patch += at->to_next) {
+    patches[i] = patch;
+  }
+  at->x += 4;
+  if (at->x == at->columns) {
+    at->x = 0;
+    at->row += at->to_lower;
+  }
+}
+
+// Sets the patches of the 2 x 2 positions of the next pooled position.
 static inline __attribute__((always_inline)) void next_pooled(places_t* at, const uint8_t* patches[4]) {
   const uint8_t* patch = at->row + 2 * at->x * at->to_next;
   patches[0] = patch;
@@ -153,25 +170,31 @@ static inline __attribute__((always_inline)) void keep_largest(int32_t sums[16])
   }
 }
 
-// Computes a unit of `count` positions, and stores the bytes at block->to.
-static inline __attribute__((always_inline)) void compute(const layer_t* layer, block_t* block,
-                                                          const uint8_t* const patches[4], int32_t count, int is_pooled,
-                                                          int scaling) {
+// Computes `groups` groups of `count` positions. The first `whole` groups have four channels.
+static inline __attribute__((always_inline)) void compute(const layer_t* layer, block_t* block, int32_t groups,
+                                                          int32_t whole, int32_t count, int is_pooled, int scaling) {
 #ifdef __riscv
-  if (scaling != SCALING_NONE && block->group->count == 4 && (is_pooled || count == 4)) {
-    compute_bytes(block, patches, is_pooled, scaling);
-    return;
+  if (scaling != SCALING_NONE && whole > 0 && (is_pooled || count == 4)) {
+    block->groups = whole;
+    compute_bytes(block, is_pooled, scaling);
+    groups -= whole;
   }
+#else
+  (void)whole;
 #endif
-  if (!is_pooled && count == 1) {
-    compute_first_sums(block, patches[0], scaling);
-  } else {
-    compute_sums(block, patches, scaling);
+  for (; groups > 0; --groups) {
+    if (!is_pooled && count == 1) {
+      compute_first_sums(block, scaling);
+    } else {
+      compute_sums(block, scaling);
+    }
+    if (is_pooled) {
+      keep_largest(block->sums);
+    }
+    store_places(layer, block->group, block->sums, block->to, block->to_next, count, scaling);
+    block->group = (const layer_group_t*)(const void*)((const uint8_t*)block->group + layer->group_bytes);
+    block->to += 4 * layer->element;
   }
-  if (is_pooled) {
-    keep_largest(block->sums);
-  }
-  store_places(layer, block->group, block->sums, block->to, block->to_next, count, scaling);
 }
 
 static inline __attribute__((always_inline)) void convolve(const layer_step_t* step, layer_share_t share, int is_pooled,
@@ -208,32 +231,28 @@ static inline __attribute__((always_inline)) void convolve(const layer_step_t* s
   block.low = layer->low;
   block.high = layer->high;
   block.to_next = channels;
+  const int32_t whole_groups = step->channels / 4;
   for (; unit < end; place += each, to += each * channels, number = 0) {
-    const uint8_t* patches[4];
     const int32_t x = at.x;
     if (is_pooled) {
-      next_pooled(&at, patches);
+      next_pooled(&at, block.patches);
     } else {
-      next_four(&at, count - place, patches);
+      next_four(&at, count - place, block.patches);
     }
     if (layer->gather_runs > 0) {
-      gather(layer, patches, step->gathered);
+      gather(layer, block.patches, step->gathered);
       if (has_sides && (x < inside.first || x > inside.last)) {
         fill_outside(layer, x, columns, is_pooled, step->gathered);
       }
       for (int i = 0; i < 4; ++i) {
-        patches[i] = step->gathered + i * layer->gathered_bytes;
+        block.patches[i] = step->gathered + i * layer->gathered_bytes;
       }
     }
-    const int32_t group_bytes = layer->group_bytes;
     const int32_t groups = smaller(step->groups - number, end - unit);
-    const int32_t positions = smaller(count - place, each);
-    const uint8_t* data = step->data + number * group_bytes;
-    for (int32_t i = groups; i > 0; --i, data += group_bytes) {
-      block.group = (const layer_group_t*)(const void*)data;
-      block.to = to + block.group->out * element;
-      compute(layer, &block, patches, positions, is_pooled, scaling);
-    }
+    block.group = (const layer_group_t*)(const void*)(step->data + number * layer->group_bytes);
+    block.to = to + number * 4 * element;
+    compute(layer, &block, groups, smaller(whole_groups - number, groups), smaller(count - place, each), is_pooled,
+            scaling);
     unit += groups;
   }
 }

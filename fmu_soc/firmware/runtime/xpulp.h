@@ -56,6 +56,7 @@
 #define XPULP_MAC(rd, rs1, rs2) ".insn r 0x33, 0, 0x21, " rd ", " rs1 ", " rs2 "\n\t"
 #define XPULP_MIN(rd, rs1, rs2) ".insn r 0x33, 4, 0x02, " rd ", " rs1 ", " rs2 "\n\t"
 #define XPULP_MAX(rd, rs1, rs2) ".insn r 0x33, 6, 0x02, " rd ", " rs1 ", " rs2 "\n\t"
+#define XPULP_CLIPUR(rd, rs1, rs2) ".insn r 0x33, 6, 0x0a, " rd ", " rs1 ", " rs2 "\n\t"
 #define XPULP_ADDNR(rd, rs1, rs2) ".insn r 0x5b, 2, 0x20, " rd ", " rs1 ", " rs2 "\n\t"
 #define XPULP_SHUFFLE2_B(rd, rs1, rs2) ".insn r 0x57, 1, 0x64, " rd ", " rs1 ", " rs2 "\n\t"
 #define XPULP_SHUFFLE2_H(rd, rs1, rs2) ".insn r 0x57, 0, 0x64, " rd ", " rs1 ", " rs2 "\n\t"
