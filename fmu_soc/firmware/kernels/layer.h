@@ -49,8 +49,9 @@ LAYER_SCALED_(layer_convolve_blocks);         // convolutions without groups
 LAYER_SCALED_(layer_convolve_blocks_pooled);  // followed by the maximum of 2 x 2 positions
 LAYER_SCALED_(layer_depthwise);               // a separate kernel for each channel
 LAYER_SCALED_(layer_depthwise_3x3);
+LAYER_SCALED_(layer_dense);  // one output position
 #undef LAYER_SCALED_
-layer_kernel_t layer_convolve_none, layer_convolve_blocks_none;
+layer_kernel_t layer_convolve_none, layer_convolve_blocks_none, layer_dense_none;
 layer_kernel_t layer_max_pool;
 layer_kernel_t layer_average_pool;
 layer_kernel_t layer_add;       // clip((a x factors[0] + b x factors[1] + addend) >> shift)
@@ -105,8 +106,8 @@ typedef struct {
   // between runs, gather_row_step between rows [bytes].
   int32_t gather_rows, gather_runs, gather_bytes;
   int32_t gather_step, gather_row_step;
-  int32_t gathered_bytes;   // bytes of a copied patch, a whole number of words
-  int32_t gathered_stride;  // bytes from core to core; copies may exceed a patch
+  int32_t gathered_bytes;   // of a patch, whole words
+  int32_t gathered_stride;  // of a core's part of l1_gathered; copies may exceed a patch
   uint32_t l1_gathered;
   // Add and multiply.
   int32_t factors[2];

@@ -10,7 +10,7 @@ from mebots.deploy.graph import Tensor
 from mebots.deploy.layers import Network
 from mebots.deploy.plan import Plan
 
-_KERNELS = ("steps.c", "convolve.c", "convolve_blocks.c", "depthwise.c", "depthwise_3x3.c", "pool.c", "elementwise.c", "direct.c")
+_KERNELS = ("steps.c", "convolve.c", "convolve_blocks.c", "dense.c", "depthwise.c", "depthwise_3x3.c", "pool.c", "elementwise.c", "direct.c")
 _TAG = "// SPDX-License-Identifier: Apache-2.0\n"
 
 

@@ -31,6 +31,8 @@ def _kernel(layer: Layer) -> dict[str, str]:
     if planning.is_depthwise(layer):
         size = "_3x3" if planning.is_depthwise_3x3(layer) else ""
         return {"kind": "LAYER_TILED", "kernel": f"layer_depthwise{size}_{scaling}"}
+    if planning.is_dense(layer):
+        return {"kind": "LAYER_TILED", "kernel": f"layer_dense_{scaling}"}
     blocks = "_blocks" if planning.is_in_blocks(layer) else ""
     if planning.pools_sums(layer):
         return {"kind": "LAYER_TILED", "kernel": f"layer_convolve{blocks}_pooled_{scaling}"}
@@ -191,7 +193,7 @@ def _side_fields(layer: Layer) -> dict[str, int]:
 def _own_fields(layer: Layer) -> dict[str, Any]:
     """Returns the table fields that only this kind of layer has."""
     if layer.kind == "convolution":
-        return _run_fields(layer) | _gather_fields(layer)
+        return _run_fields(layer) | _gather_fields(layer) | {"gathered_stride": planning.core_bytes(layer)}
     if layer.kind == "average_pool":
         return {"zeros": f"{{{int(not layer.counts_pads)}, 0}}"}
     if layer.kind == "add":
@@ -212,8 +214,6 @@ def _run_fields(layer: Layer) -> dict[str, int]:
             "step_y": layer.dilations[0],
             "step_x": layer.dilations[1],
             "group_bytes": planning.group_bytes(layer),
-            "gathered_bytes": planning.gathered_bytes(layer),
-            "gathered_stride": planning.gathered_stride(layer),
         }
     runs_y, runs_x, run = planning.run_geometry(layer)
     length = planning.align(run)
@@ -246,8 +246,7 @@ def _gather_fields(layer: Layer) -> dict[str, int]:
         "gather_bytes": run,
         "gather_step": layer.dilations[1] * channels,
         "gather_row_step": layer.dilations[0] * pitch,
-        "gathered_bytes": planning.gathered_bytes(layer),
-        "gathered_stride": planning.gathered_stride(layer),
+        "gathered_bytes": planning.patch_copy_bytes(layer),
     }
 
 

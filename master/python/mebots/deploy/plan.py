@@ -178,12 +178,15 @@ def pools_sums(layer: Layer) -> bool:
     return is_in_blocks(layer) and layer.pool == 2 and layer.requantise is not None and bool((layer.requantise.multiplier > 0).all())
 
 
-def gathered_stride(layer: Layer) -> int:
-    """Returns the size of each core's buffer for patches in bytes."""
-    if is_depthwise_3x3(layer):  # a constant word, and a word per channel and column
+def core_bytes(layer: Layer) -> int:
+    """Returns the bytes of each core's own buffer."""
+    if is_depthwise_3x3(layer):  # a constant word, and a word of each channel and column
         return 4 + 4 * GROUP * (layer.inputs[0].columns + layer.pads[1] + layer.pads[3])
-    size = gathered_bytes(layer)
-    return (4 if gathers(layer) else 1) * size + 8 if size else 0
+    if is_depthwise(layer):  # the offsets of the kernel's places
+        return 16 * fours(layer)
+    if is_dense(layer):  # four partial sums
+        return 4 * GROUP
+    return 4 * patch_copy_bytes(layer) + 8 if gathers(layer) else 0  # four patches; copies may exceed a patch
 
 
 def gathers(layer: Layer) -> bool:
@@ -204,11 +207,18 @@ def gathers(layer: Layer) -> bool:
 
 _CYCLES_PER_WORD = 24  # of the inner loop for four places and four channels
 _CYCLES_PER_RUN = 9
+_CYCLES_PER_DENSE_WORD = 9  # of the inner loop for one place and four channels
 
 
 def is_in_blocks(layer: Layer) -> bool:
     """True if a kernel computes four places and four channels at a time."""
     return layer.kind == "convolution" and layer.groups == 1
+
+
+def is_dense(layer: Layer) -> bool:
+    """True if the layer has one output position with a contiguous patch. All cores share the products of four channels."""
+    one_place = layer.output.rows == layer.output.columns == layer.pool == 1
+    return is_in_blocks(layer) and one_place and _patch_runs(layer)[:2] == (1, 1)
 
 
 def _patch_runs(layer: Layer) -> tuple[int, int, int]:
@@ -230,13 +240,8 @@ def run_geometry(layer: Layer) -> tuple[int, int, int]:
     return (1, 1, patch_bytes(layer)) if gathers(layer) else _patch_runs(layer)
 
 
-def gathered_bytes(layer: Layer) -> int:
-    """Returns the size in bytes of a copied patch, whose last run is copied in eight-byte units. For depthwise kernels, returns the size of
-    the places' offsets."""
-    if is_depthwise(layer):
-        return 16 * fours(layer)
-    if not gathers(layer):
-        return 0
+def patch_copy_bytes(layer: Layer) -> int:
+    """Returns the bytes of a copied patch. The last run is copied by eight bytes."""
     last = _patch_runs(layer)[2]
     return align(patch_bytes(layer) + -last % 8)
 
@@ -379,7 +384,7 @@ def _layout(layer: Layer, parts: list[Part], rows: int) -> Steps:
     l1_data = two(data, len(parts) > 1) if data else (at, at)
     l1_out = two(out_size, tiles * len(parts) > 1)
     l1_unpooled = two(unpooled, False)[0] if unpooled else at
-    l1_gathered = two(CORES * gathered_stride(layer), False)[0] if gathered_bytes(layer) else at
+    l1_gathered = two(CORES * core_bytes(layer), False)[0] if core_bytes(layer) else at
     return Steps(rows, tiles, parts, sliced, _by_tile(layer, parts, tiles, sliced), l1_in, l1_other, l1_data, l1_out, l1_unpooled, l1_gathered, at)
 
 
@@ -447,6 +452,8 @@ def _step_cycles(layer: Layer, steps: Steps, part: Part) -> float:
         return math.ceil(rows * len(part.groups) / CORES) * (columns * (32 * fours(layer) + 60) + 60)
     runs_y, runs_x, run = run_geometry(layer)
     words, groups = math.ceil(run / 4), len(part.groups)
+    if is_dense(layer):
+        return groups * (_CYCLES_PER_DENSE_WORD * words + 60) / CORES + 100
     if is_in_blocks(layer):
         block = runs_y * (_CYCLES_PER_WORD * words + _CYCLES_PER_RUN) + (120 if pools_sums(layer) else 200)
         blocks = math.ceil(rows * columns / 4)

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+// Dense layers: convolutions with one output position, whose patch is contiguous. Each core computes the same number of
+// products. A core can begin or end within the products of four channels. Then it stores their partial sums, and the
+// core that computes the first of these products adds them.
+#include "kernels/machine.h"
+#include "kernels/requantise.h"
+#include "kernels/work.h"
+
+// Adds the products of `words` words of the patch with the weights of four channels.
+static inline __attribute__((always_inline)) void add_words(int32_t sums[4], const uint8_t* patch,
+                                                            const int8_t* weights, int32_t words) {
+  int32_t a = sums[0], b = sums[1], c = sums[2], d = sums[3];
+#ifdef __riscv
+  __asm__ volatile(XPULP_LOOP("x0", "%[n]", "9") XPULP_LW_POST("t4", "4", "%[p]") XPULP_LW_POST("t0", "4", "%[w]")
+                       XPULP_LW_POST("t1", "4", "%[w]") XPULP_LW_POST("t2", "4", "%[w]") XPULP_LW_POST(
+                           "t3", "4", "%[w]") XPULP_SDOTUSP_B("%[a]", "t4", "t0") XPULP_SDOTUSP_B("%[b]", "t4", "t1")
+                           XPULP_SDOTUSP_B("%[c]", "t4", "t2") XPULP_SDOTUSP_B("%[d]", "t4", "t3") XPULP_LOOP_END
+                   : [a] "+r"(a), [b] "+r"(b), [c] "+r"(c), [d] "+r"(d), [w] "+r"(weights), [p] "+r"(patch)
+                   : [n] "r"(words)
+                   : "t0", "t1", "t2", "t3", "t4", "memory");
+#else
+  for (int32_t i = 0; i < 4 * words; ++i) {
+    const int8_t* w = weights + i / 4 * 16 + i % 4;
+    a += patch[i] * w[0], b += patch[i] * w[4], c += patch[i] * w[8], d += patch[i] * w[12];
+  }
+#endif
+  sums[0] = a, sums[1] = b, sums[2] = c, sums[3] = d;
+}
+
+static inline __attribute__((always_inline)) void store(const layer_step_t* step, const layer_group_t* group,
+                                                        int32_t number, const int32_t sums[4], int scaling) {
+  store_places(step->layer, group, sums, step->out + 4 * number * step->layer->element, 0, 1, scaling);
+}
+
+// Adds the partial sums of those cores that computed the products of a group up to word `end` of the step. A core
+// computed `each` words.
+static void add_partials(const layer_step_t* step, int32_t core, int32_t each, int32_t end, int32_t sums[4]) {
+  const uint8_t* partial = step->gathered;
+  while (++core * each < end) {
+    partial += step->layer->gathered_stride;
+    for (int i = 0; i < 4; ++i) {
+      sums[i] += ((const int32_t*)(const void*)partial)[i];
+    }
+  }
+}
+
+static inline __attribute__((always_inline)) void compute(const layer_step_t* step, layer_share_t share, int scaling) {
+  const layer_t* layer = step->layer;
+  const int32_t words = layer->run_words;
+  const int32_t total = step->groups * words;
+  const int32_t each = (total + share.cores - 1) / share.cores;
+  int32_t at = smaller(share.core * each, total);
+  const int32_t end = smaller(at + each, total);
+  int32_t number = at / words;
+  int32_t word = at - number * words;
+  const layer_group_t* group = (const layer_group_t*)(const void*)(step->data + number * layer->group_bytes);
+  int32_t* partial = (int32_t*)(void*)step->gathered;  // of the group that another core begins
+  int is_begun = 0;                                    // true if another core computes the last products of `group`
+  int32_t sums[4];
+  while (at < end) {
+    const int32_t count = smaller(words - word, end - at);
+#pragma GCC unroll 4
+    for (int i = 0; i < 4; ++i) {
+      sums[i] = word == 0 ? group->bias[i] : 0;
+    }
+    add_words(sums, step->in + 4 * word, weights_of(group, scaling) + 16 * word, count);
+    at += count;
+    if (count == words) {
+      store(step, group, number, sums, scaling);
+    } else if (word > 0) {
+      partial[0] = sums[0], partial[1] = sums[1], partial[2] = sums[2], partial[3] = sums[3];
+    } else {
+      is_begun = 1;
+      break;
+    }
+    word = 0;
+    ++number;
+    group = (const layer_group_t*)(const void*)((const uint8_t*)group + layer->group_bytes);
+  }
+  if (each % words == 0) {
+    return;  // no cores share a group
+  }
+  machine_barrier();
+  if (is_begun) {
+    add_partials(step, share.core, each, (number + 1) * words, sums);
+    store(step, group, number, sums, scaling);
+  }
+}
+
+#define DEFINE(name, scaling)                                              \
+  void layer_dense_##name(const layer_step_t* step, layer_share_t share) { \
+    compute(step, share, scaling);                                         \
+  }
+
+DEFINE(narrow, SCALING_NARROW)
+DEFINE(wide, SCALING_WIDE)
+DEFINE(exact, SCALING_EXACT)
+DEFINE(none, SCALING_NONE)
