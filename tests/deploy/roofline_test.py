@@ -17,13 +17,17 @@ CORES = 8
 
 
 class Roofline(DeployCase):
-    def shares(self, maker, board="ai_deck"):
-        """Returns each layer's bound divided by its measured cycles."""
+    def times(self, maker, board):
+        """Returns the deployed network, and the times of its first 0, 1, 2 ... layers."""
         deployed = lower(*maker.save(self.folder), Options(board=board))
         library = self.folder / "library"
         deployed.sources.write(library)
         program = check(library, self.folder, deployed, True, objects(board))
-        times = [program.report(CORES, count)["time_s"] for count in range(len(program.bytes) + 1)]
+        return deployed, [program.report(CORES, count)["time_s"] for count in range(len(program.bytes) + 1)]
+
+    def shares(self, maker, board="ai_deck"):
+        """Returns for each layer the share of its bound in its measured cycles."""
+        deployed, times = self.times(maker, board)
         bounds = [roofline.bound(layer, steps, CORES) for layer, steps in zip(deployed.network.layers, deployed.plan.steps, strict=True)]
         return [one / ((b - a) * chip.CLOCK_HZ) for one, a, b in zip(bounds, times, times[1:], strict=False)]
 
@@ -57,10 +61,24 @@ class Roofline(DeployCase):
         self.assertEqual(roofline.loads_per_dot(8, 100, 2), 1 / 7)  # the weights of seven channels stay in registers
         self.assertAlmostEqual(roofline.peak(8), 8 * 64 / 24)
 
+    def test_no_network_is_faster_than_its_bound(self):
+        maker = Maker(4, (640, 1, 1))
+        name = "x"
+        for before, out in ((640, 64), (64, 128), (128, 128), (128, 5)):
+            name = maker.conv(name, before, out, (1, 1))
+        maker.output(name)
+        deployed, times = self.times(maker, "ai_deck")
+        layers, steps = deployed.network.layers, deployed.plan.steps
+        self.assertTrue(all(one.early for one in steps[1:]))
+        total = roofline.total_bound(layers, deployed.plan, CORES, 1.0)
+        self.assertLess(total, (times[-1] - times[0]) * chip.CLOCK_HZ)
+        # All weights count, also those that are fetched during the previous layer.
+        self.assertGreater(total, sum(one.weights for one in layers) / roofline.DMA_BYTES)
+        self.assertGreater(total, sum(roofline.bound(*one, CORES) for one in zip(layers, steps, strict=True)))
+
     def test_weights_from_hyperram_bound_the_whole_network(self):
         stream = Stream([(0, 1000), (1000, 300), (1300, 50)])
-        self.assertEqual(roofline.total_bound([100.0, 200.0, 400.0], None, 1.0), 700)
-        self.assertEqual(roofline.total_bound([100.0, 200.0, 400.0], stream, 1.0), 1000 + 300 + 200 + 400)
+        self.assertEqual(roofline.with_hyperram([100.0, 200.0, 400.0], stream, 1.0), 1000 + 300 + 200 + 400)
 
 
 if __name__ == "__main__":

@@ -27,8 +27,8 @@ static inline __attribute__((always_inline)) void add_words(int32_t sums[4], con
   sums[0] = a, sums[1] = b, sums[2] = c, sums[3] = d;
 }
 
-static inline __attribute__((always_inline)) void store(const layer_step_t* step, const layer_group_t* group,
-                                                        int32_t number, const int32_t sums[4], int scaling) {
+static inline __attribute__((always_inline)) void store_group(const layer_step_t* step, const layer_group_t* group,
+                                                              int32_t number, const int32_t sums[4], int scaling) {
   store_places(step->layer, group, sums, step->out + 4 * number * step->layer->element, 0, 1, scaling);
 }
 
@@ -66,7 +66,7 @@ static inline __attribute__((always_inline)) void compute(const layer_step_t* st
     add_words(sums, step->in + 4 * word, weights_of(group, scaling) + 16 * word, count);
     at += count;
     if (count == words) {
-      store(step, group, number, sums, scaling);
+      store_group(step, group, number, sums, scaling);
     } else if (word > 0) {
       partial[0] = sums[0], partial[1] = sums[1], partial[2] = sums[2], partial[3] = sums[3];
     } else {
@@ -83,7 +83,7 @@ static inline __attribute__((always_inline)) void compute(const layer_step_t* st
   machine_barrier();
   if (is_begun) {
     add_partials(step, share.core, each, (number + 1) * words, sums);
-    store(step, group, number, sums, scaling);
+    store_group(step, group, number, sums, scaling);
   }
 }
 

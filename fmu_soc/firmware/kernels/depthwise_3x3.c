@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Computes depthwise convolutions with a kernel of 3 x 3. A unit of work is four channels of one or two rows of output
-// positions.
+// Computes depthwise convolutions with a kernel of 3 x 3. A unit of work is four channels of a strip of output rows.
 //
-// First, the core copies the unit's input rows to its buffer. There, a column has one word per channel, with the values
-// of up to four rows. Then the core computes each channel's outputs, with three words for each output. Weights and
-// numbers of the requantisation stay in registers. With a stride of one row, four input rows give two output rows: the
-// lower row uses the same words with weights shifted by one byte.
+// First, the core copies the input rows of each one or two output rows to its buffer: a column is one word per channel,
+// which contains the values of up to four rows. Then it computes the output of each channel with three words of its
+// buffer for each position. The weights and the numbers of the requantisation stay in registers. With a stride of one
+// row, four input rows give two output rows: the lower row uses the same words, and weights that are shifted by one
+// byte.
 #include "kernels/requantise.h"
 #include "kernels/work.h"
 
@@ -18,12 +18,16 @@ typedef struct {
   int32_t step[ROWS];
 } rows_t;
 
-// Outputs of a channel: `count` positions of two rows, or of one row if `lower` is null.
+// A channel's outputs in a strip. Each pass computes `count` positions of one row, or of two rows. One row: `lower` is
+// null.
 typedef struct {
   uint8_t* upper;
   uint8_t* lower;
   int32_t count;
   int32_t to_next;  // bytes to the next position
+  int32_t passes;
+  int32_t next_pass;  // bytes from a pass's last position to the place of the next pass
+  int32_t columns;    // of the buffer for each pass
 } places_t;
 
 #ifdef __riscv
@@ -54,54 +58,76 @@ static inline __attribute__((always_inline)) void turn_columns(const rows_t* row
   "lw t1, 16(%[p])\n\t" \
   "lw t2, 32(%[p])\n\t" XPULP_LW_POST_REG("t0", "%[step]", "%[p]")
 #define PRODUCTS(k) XPULP_SDOTUSP_B("t3", "t2", "%[" k "2]") XPULP_SDOTUSP_B("t3", "t0", "%[" k "0]")
-#define LIMIT_AND_STORE(to)                  \
-  XPULP_ADDNR("t3", "%[addend]", "%[shift]") \
-  XPULP_MAX("t3", "t3", "%[low]") XPULP_MIN("t3", "t3", "%[high]") XPULP_SB_POST_REG("t3", "%[to_next]", "%[" to "]")
+#define STORE(to) XPULP_SB_POST_REG("t3", "%[to_next]", "%[" to "]")
+// Limit a value and store it. FROM_ZERO has one instruction less, but needs the lower bound 0.
+#define BETWEEN(to) XPULP_MAX("t3", "t3", "%[low]") XPULP_MIN("t3", "t3", "%[high]") STORE(to)
+#define FROM_ZERO(to) XPULP_CLIPUR("t3", "t3", "%[high]") STORE(to)
+#define SHIFT XPULP_ADDNR("t3", "%[addend]", "%[shift]")
 #define SUM(k) "mv t3, %[bias]\n\t" XPULP_SDOTUSP_B("t3", "t1", "%[" k "1]") PRODUCTS(k)
-// 8 instructions. The addend includes the product of bias and multiplier.
-#define NARROW(k, to) \
-  XPULP_DOTUSP_B("t3", "t1", "%[" k "1]") PRODUCTS(k) "mul t3, t3, %[multiplier]\n\t" LIMIT_AND_STORE(to)
-#define WIDE(k, to) SUM(k) "mulh t3, t3, %[multiplier]\n\t" LIMIT_AND_STORE(to)  // 9 instructions
-#define EXACT(k, to)               \
+// The addend includes the product of bias and multiplier. 5 instructions.
+#define NARROW(k) XPULP_DOTUSP_B("t3", "t1", "%[" k "1]") PRODUCTS(k) "mul t3, t3, %[multiplier]\n\t" SHIFT
+#define WIDE(k) SUM(k) "mulh t3, t3, %[multiplier]\n\t" SHIFT  // 6 instructions
+#define EXACT(k)                   \
   SUM(k)                           \
   "mulh t4, t3, %[multiplier]\n\t" \
   "mul t3, t3, %[multiplier]\n\t"  \
   "add t3, t3, %[more]\n\t"        \
   "sltu t3, t3, %[more]\n\t"       \
-  "add t3, t3, t4\n\t" LIMIT_AND_STORE(to)  // 13 instructions
+  "add t3, t3, t4\n\t" SHIFT  // 10 instructions
 
-// The lower position is stored first. For the last of an odd number of rows, the upper position then overwrites it.
-#define FILTER(length, outputs)                                                                                    \
-  __asm__ volatile(                                                                                                \
-      XPULP_LOOP("x0", "%[n]", length) COLUMNS outputs XPULP_LOOP_END                                              \
-      : [p] "+r"(columns), [upper] "+r"(upper), [lower] "+r"(lower)                                                \
-      : [n] "r"(places->count), [step] "r"(step), [to_next] "r"(places->to_next), [k0] "r"(k[0]), [k1] "r"(k[4]),  \
-        [k2] "r"(k[8]), [l0] "r"(k[0] << 8), [l1] "r"(k[4] << 8), [l2] "r"(k[8] << 8), [bias] "r"(group->bias[i]), \
-        [multiplier] "r"(group->multiplier[i]), [addend] "r"(addend), [shift] "r"(group->shift[i]),                \
-        [more] "r"(lower_addend(group, i, scaling)), [low] "r"(low), [high] "r"(high)                              \
+// Computes all passes. A pass is a loop of `length` instructions; `body` is `length` + 4. In two rows, the lower
+// position is stored first.
+#define FILTER(length, body, outputs, ...)                                                                             \
+  __asm__ volatile(                                                                                                    \
+      "lw t0, %[passes]\n\t" XPULP_LOOP("x1", "t0", body) XPULP_LOOP("x0", "%[n]", length)                             \
+          COLUMNS outputs XPULP_LOOP_END                                                                               \
+      "add %[p], %[p], %[skip]\n\tadd %[upper], %[upper], %[jump]\n\tadd %[lower], %[lower], "                         \
+      "%[jump]\n\t" XPULP_LOOP_END                                                                                     \
+      : [p] "+r"(columns), [upper] "+r"(upper), [lower] "+r"(lower)                                                    \
+      : [n] "r"(places->count), [passes] "m"(places->passes), [step] "r"(step), [skip] "r"(skip),                      \
+        [jump] "r"(places->next_pass), [to_next] "r"(places->to_next), [k0] "r"(k[0]), [k1] "r"(k[4]), [k2] "r"(k[8]), \
+        [multiplier] "r"(group->multiplier[i]), [addend] "r"(addend), [shift] "r"(group->shift[i]), [high] "r"(high),  \
+        __VA_ARGS__                                                                                                    \
       : "t0", "t1", "t2", "t3", "t4", "memory")
+#define LOWER_ROW [l0] "r"(k[0] << 8), [l1] "r"(k[4] << 8), [l2] "r"(k[8] << 8)
+#define BIAS [bias] "r"(group->bias[i])
+#define LEAST [low] "r"(low)
+#define MORE [more] "r"(lower_addend(group, i, scaling))
+#define ONE(sum, limit) sum("k") limit("upper")
+#define TWO(sum, limit) sum("l") limit("lower") sum("k") limit("upper")
 
 static inline __attribute__((always_inline)) void filter(const layer_t* layer, const layer_group_t* group, int i,
                                                          const uint32_t* columns, const places_t* places, int scaling) {
   const uint32_t* k = (const uint32_t*)(const void*)weights_of(group, scaling) + i;
   const int32_t step = layer->stride_columns * WORDS_PER_COLUMN * 4;
+  const int32_t skip = places->columns * WORDS_PER_COLUMN * 4 - places->count * step;
   const int32_t low = layer->low, high = layer->high;
   uint8_t *upper = places->upper, *lower = places->lower;
   const int is_pair = lower != 0;
   const uint32_t of_bias = scaling == SCALING_NARROW ? (uint32_t)group->bias[i] * (uint32_t)group->multiplier[i] : 0;
   const uint32_t addend = (uint32_t)group->addend[i] + of_bias;
-  if (scaling == SCALING_NARROW && is_pair) {
-    FILTER("19", NARROW("l", "lower") NARROW("k", "upper"));
+  if (scaling == SCALING_NARROW && low == 0) {
+    if (is_pair) {
+      FILTER("17", "21", TWO(NARROW, FROM_ZERO), LOWER_ROW);
+    } else {
+      FILTER("10", "14", ONE(NARROW, FROM_ZERO), LEAST);
+    }
   } else if (scaling == SCALING_NARROW) {
-    FILTER("11", NARROW("k", "upper"));
-  } else if (scaling == SCALING_WIDE && is_pair) {
-    FILTER("21", WIDE("l", "lower") WIDE("k", "upper"));
+    if (is_pair) {
+      FILTER("19", "23", TWO(NARROW, BETWEEN), LOWER_ROW, LEAST);
+    } else {
+      FILTER("11", "15", ONE(NARROW, BETWEEN), LEAST);
+    }
   } else if (scaling == SCALING_WIDE) {
-    FILTER("12", WIDE("k", "upper"));
+    if (is_pair) {
+      FILTER("21", "25", TWO(WIDE, BETWEEN), LOWER_ROW, LEAST, BIAS);
+    } else {
+      FILTER("12", "16", ONE(WIDE, BETWEEN), LEAST, BIAS);
+    }
   } else if (is_pair) {
-    FILTER("29", EXACT("l", "lower") EXACT("k", "upper"));
+    FILTER("29", "33", TWO(EXACT, BETWEEN), LOWER_ROW, LEAST, BIAS, MORE);
   } else {
-    FILTER("16", EXACT("k", "upper"));
+    FILTER("16", "20", ONE(EXACT, BETWEEN), LEAST, BIAS, MORE);
   }
 }
 
@@ -132,28 +158,37 @@ static uint8_t filtered(const layer_t* layer, const layer_group_t* group, int i,
 
 static void filter(const layer_t* layer, const layer_group_t* group, int i, const uint32_t* columns,
                    const places_t* places, int scaling) {
-  for (int32_t x = 0; x < places->count; ++x, columns += layer->stride_columns * WORDS_PER_COLUMN) {
-    if (places->lower != 0) {
-      places->lower[x * places->to_next] = filtered(layer, group, i, columns, 1, scaling);
+  uint8_t *upper = places->upper, *lower = places->lower;
+  for (int32_t pass = 0; pass < places->passes; ++pass, columns += places->columns * WORDS_PER_COLUMN) {
+    const uint32_t* at = columns;
+    for (int32_t x = 0; x < places->count; ++x, at += layer->stride_columns * WORDS_PER_COLUMN) {
+      if (lower != 0) {
+        *lower = filtered(layer, group, i, at, 1, scaling);
+        lower += places->to_next;
+      }
+      *upper = filtered(layer, group, i, at, 0, scaling);
+      upper += places->to_next;
     }
-    places->upper[x * places->to_next] = filtered(layer, group, i, columns, 0, scaling);
+    upper += places->next_pass;
+    lower += lower != 0 ? places->next_pass : 0;
   }
 }
 
 #endif
 
-// Returns the `count` input rows that the output row `y`, or the two rows from `y` on, need. Other rows repeat the last
-// needed row.
-static rows_t rows_of(const layer_step_t* step, const layer_group_t* group, int32_t y, int32_t count,
-                      const uint32_t* outside) {
+// Returns the input rows of the output row `y` and the next one. Rows that no output needs repeat the row before.
+static inline __attribute__((always_inline)) rows_t rows_of(const layer_step_t* step, const layer_group_t* group,
+                                                            int32_t y, int32_t count, const uint32_t* outside) {
   const layer_t* layer = step->layer;
   const int32_t top = step->first_row * layer->stride_rows - layer->pad_top;
+  int32_t row = y * layer->stride_rows;
   rows_t rows;
+#pragma GCC unroll 4
   for (int i = 0; i < ROWS; ++i) {
-    const int32_t row = y * layer->stride_rows + (i < count ? i : count - 1) * layer->step_y;
-    const int is_outside = top + row < 0 || top + row >= layer->in_rows;
+    const int is_outside = (uint32_t)(top + row) >= (uint32_t)layer->in_rows;
     rows.at[i] = is_outside ? (const uint8_t*)outside : step->in + row * step->in_pitch + group->in;
     rows.step[i] = is_outside ? 0 : step->in_channels;
+    row += i + 1 < count ? layer->step_y : 0;
   }
   return rows;
 }
@@ -167,24 +202,39 @@ static void fill_columns(uint32_t* to, int32_t count, uint32_t value) {
 static inline __attribute__((always_inline)) void convolve(const layer_step_t* step, layer_share_t share, int scaling) {
   const layer_t* layer = step->layer;
   const int is_pair = layer->stride_rows == 1 && layer->step_y == 1;
-  const int32_t units = is_pair ? (step->rows + 1) / 2 : step->rows;
+  const int32_t each = 1 + is_pair;  // rows of a pass
+  const int32_t passes = (step->rows + is_pair) / each;
+  const int32_t strips = (passes + layer->strip - 1) / layer->strip;
   const int32_t pitch = layer->out_columns * step->channels;
-  // The buffer contains a constant word and the columns. Columns outside the input are filled only once.
+  const int32_t width = layer->outside_left + layer->in_columns + layer->outside_right;
+  // The buffer: a constant word, and the columns of each pass. The columns outside the input never change.
   uint32_t* outside = (uint32_t*)(void*)step->gathered;
   uint32_t* columns = outside + 1;
-  uint32_t* inside = columns + layer->outside_left * WORDS_PER_COLUMN;
   *outside = layer->outside * UINT32_C(0x01010101);
-  fill_columns(columns, layer->outside_left, *outside);
-  fill_columns(inside + layer->in_columns * WORDS_PER_COLUMN, layer->outside_right, *outside);
-  for (int32_t unit = share.core; unit < step->groups * units; unit += share.cores) {
-    const int32_t number = unit / units;
-    const int32_t y = (unit - number * units) * (1 + is_pair);
+  for (int32_t i = 0; i < smaller(passes, layer->strip); ++i) {
+    uint32_t* at = columns + i * width * WORDS_PER_COLUMN;
+    fill_columns(at, layer->outside_left, *outside);
+    fill_columns(at + (width - layer->outside_right) * WORDS_PER_COLUMN, layer->outside_right, *outside);
+  }
+  for (int32_t unit = share.core; unit < step->groups * strips; unit += share.cores) {
+    const int32_t number = unit / strips;
+    const int32_t first = (unit - number * strips) * layer->strip;
+    const int32_t count = smaller(layer->strip, passes - first);
     const layer_group_t* group = (const layer_group_t*)(const void*)(step->data + number * layer->group_bytes);
-    const int has_lower = is_pair && y + 1 < step->rows;
-    const rows_t rows = rows_of(step, group, y, 3 + has_lower, outside);
-    turn_columns(&rows, layer->in_columns, inside);
-    uint8_t* to = step->out + y * pitch + group->out;
-    places_t places = {to, is_pair ? to + has_lower * pitch : 0, layer->out_columns, step->channels};
+    uint32_t* inside = columns + layer->outside_left * WORDS_PER_COLUMN;
+    for (int32_t y = first * each; y < (first + count) * each; y += each, inside += width * WORDS_PER_COLUMN) {
+      const rows_t rows = rows_of(step, group, y, is_pair && y + 1 < step->rows ? 4 : 3, outside);
+      turn_columns(&rows, layer->in_columns, inside);
+    }
+    // If the number of rows is odd, the last pass computes a row that is not used.
+    uint8_t* to = step->out + first * each * pitch + group->out;
+    places_t places = {to,
+                       is_pair ? to + pitch : 0,
+                       layer->out_columns,
+                       step->channels,
+                       count,
+                       each * pitch - layer->out_columns * step->channels,
+                       width};
     for (int i = 0; i < group->count; ++i, ++places.upper, places.lower += is_pair) {
       filter(layer, group, i, columns + i, &places, scaling);
     }

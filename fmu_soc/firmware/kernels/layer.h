@@ -79,10 +79,11 @@ typedef struct {
   uint8_t outside;  // value of positions outside the input
   uint8_t scaling;
   uint8_t element;     // bytes of an output value: 1, or 4 for sums
-  uint8_t by_tile;     // order of steps: 1 = all blocks of a tile first, 0 = all tiles of a block first
-  uint8_t sliced;      // 1: a block needs only the input of its own channels
-  uint8_t pool;        // maximum of pool x pool positions of a convolution's output
-  uint8_t outer_rows;  // 1: the input in L1 has rows outside the input; 0: the kernel provides them
+  uint8_t by_tile;     // 1: all blocks of a tile, then the next tile; 0: all tiles of a block first
+  uint8_t sliced;      // 1: a block only needs the input of its own channels
+  uint8_t pool;        // a convolution's output is pooled: maximum of pool x pool
+  uint8_t outer_rows;  // 1: the input in L1 has rows outside the input. 0: the kernel provides their values
+  uint8_t early;       // 1: the previous layer leaves the first block's data free in L1, to be fetched before it ends
   int32_t in_rows, in_columns, in_channels;
   int32_t out_rows, out_columns, out_channels;  // after pooling
   int32_t kernel_rows, kernel_columns;          // including dilation
@@ -109,7 +110,9 @@ typedef struct {
   int32_t gathered_bytes;   // of a patch, whole words
   int32_t gathered_stride;  // of a core's part of l1_gathered; copies may exceed a patch
   uint32_t l1_gathered;
-  // Add and multiply.
+  int32_t
+      strip;  // depthwise, 3 x 3: passes of a unit of work. A pass is one output row, or two with a stride of one row
+  // Add, multiply
   int32_t factors[2];
   int32_t zeros[2];
   int32_t addend;
@@ -176,11 +179,12 @@ typedef struct {
 } layer_network_t;
 
 // Computes `count` layers from `first` on. Every core of the cluster must call this function with its own number. On
-// other machines, one call is sufficient. L1 starts with a copy of the present layer (LAYER_L1_RESERVED bytes).
+// another machine, one call computes everything. L1 starts with copies of the present and the next layer
+// (LAYER_L1_RESERVED bytes).
 void layers_run(const layer_network_t* network, const uint8_t* picture, int32_t first, int32_t count,
                 layer_share_t share);
 
-#define LAYER_L1_RESERVED 320
+#define LAYER_L1_RESERVED 640
 
 #ifdef __cplusplus
 }

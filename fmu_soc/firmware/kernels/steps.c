@@ -4,7 +4,7 @@
 #include "kernels/machine.h"
 #include "kernels/work.h"
 
-_Static_assert(sizeof(layer_t) <= LAYER_L1_RESERVED, "the description of a layer does not fit into its place");
+_Static_assert(2 * sizeof(layer_t) <= LAYER_L1_RESERVED, "the descriptions of two layers do not fit into their place");
 
 // Maximum number of running copies: half of the 16 copies of GAP8's DMA.
 #define COPIES 8
@@ -134,12 +134,19 @@ typedef struct {
   uint8_t* out;
 } tensors_t;
 
+static void load_data(const layer_network_t* n, const layer_t* layer, copies_t* copies, const cursor_t* at) {
+  const layer_block_t* block = block_of(n, layer, at->block);
+  if (block->bytes > 0) {
+    make_place(copies);
+    note(copies, machine_copy_in(n->l1 + layer->l1_data[at->data], n->weights + block->data, block->bytes));
+  }
+}
+
 static void load_step(const layer_network_t* n, const layer_t* layer, const tensors_t* t, copies_t* copies,
                       const cursor_t* at) {
   const layer_block_t* block = block_of(n, layer, at->block);
-  if (at->needs_data && block->bytes > 0) {
-    make_place(copies);
-    note(copies, machine_copy_in(n->l1 + layer->l1_data[at->data], n->weights + block->data, block->bytes));
+  if (at->needs_data) {
+    load_data(n, layer, copies, at);
   }
   if (at->needs_in) {
     fetch_rows(copies, layer, block, t->in, n->l1 + layer->l1_in[at->in], at->tile);
@@ -206,32 +213,47 @@ static void fill_sides(const layer_network_t* n, const layer_t* layer, layer_sha
   }
 }
 
-static void run_tiles(const layer_network_t* n, const layer_t* layer, const tensors_t* t, layer_share_t share) {
-  copies_t copies;
-  copies.begun = 0;
-  copies.ended = 0;
+// True if the data of a layer's first block are fetched during the previous layer. If weights are in L3, those of the
+// next layer may not be in L2 yet.
+static int is_early(const layer_network_t* n, const layer_t* layer) {
+  return layer->early && n->l3 == 0;
+}
+
+// Fetches the data of the next layer's first block. `next` is null after the last layer.
+static void load_ahead(const layer_network_t* n, const layer_t* next, copies_t* copies) {
+  if (next != 0 && is_early(n, next)) {
+    const cursor_t first = start_of();
+    load_data(n, next, copies, &first);
+  }
+}
+
+static void run_tiles(const layer_network_t* n, const layer_t* layer, const layer_t* next_layer, const tensors_t* t,
+                      copies_t* copies, int has_data, layer_share_t share) {
   cursor_t now = start_of();
   cursor_t last = now;
+  now.needs_data = !has_data;
   if (layer->pad_left + layer->pad_right > 0) {
     fill_sides(n, layer, share);
   }
   if (share.core == 0) {
-    load_step(n, layer, t, &copies, &now);
+    load_step(n, layer, t, copies, &now);
   }
   const int32_t steps = layer->block_count * layer->tiles;
   for (int32_t i = 0; i < steps; ++i) {
     const cursor_t next = next_of(layer, &now);
     if (share.core == 0) {
-      wait_for_all(&copies);
+      wait_for_all(copies);
     }
     // The data of the step have arrived, and all cores have finished the previous step.
     machine_barrier();
     if (share.core == 0) {
       if (i > 0) {
-        store_step(n, layer, t, &copies, &last);
+        store_step(n, layer, t, copies, &last);
       }
       if (i + 1 < steps) {
-        load_step(n, layer, t, &copies, &next);
+        load_step(n, layer, t, copies, &next);
+      } else {
+        load_ahead(n, next_layer, copies);
       }
       if (n->l3 != 0) {
         n->l3->advance();
@@ -243,8 +265,7 @@ static void run_tiles(const layer_network_t* n, const layer_t* layer, const tens
   }
   machine_barrier();
   if (share.core == 0) {
-    store_step(n, layer, t, &copies, &last);
-    wait_for_all(&copies);
+    store_step(n, layer, t, copies, &last);
   }
 }
 
@@ -252,13 +273,14 @@ static const uint8_t* input_of(const layer_network_t* n, const uint8_t* picture,
   return at == LAYER_PICTURE ? picture : n->memory + at;
 }
 
-// Copies the layer's description to L1, which the cores read in one cycle.
-static const layer_t* fetch_layer(const layer_network_t* n, int32_t number, layer_share_t share) {
-  if (share.core == 0) {
-    machine_wait(machine_copy_in(n->l1, &n->layers[number], sizeof(layer_t)));
-  }
-  machine_barrier();
-  return (const layer_t*)(const void*)n->l1;
+// Returns the description of a layer in L1, which the cores read in one cycle.
+static layer_t* layer_in_l1(const layer_network_t* n, int32_t number) {
+  return (layer_t*)(void*)n->l1 + number % 2;
+}
+
+static void load_layer(const layer_network_t* n, int32_t number, copies_t* copies) {
+  make_place(copies);
+  note(copies, machine_copy_in(layer_in_l1(n, number), &n->layers[number], sizeof(layer_t)));
 }
 
 static void fetch_weights(const layer_network_t* n, int32_t number) {
@@ -278,32 +300,65 @@ static void change_weights(layer_network_t* n, int32_t number, int32_t end, laye
   n->weights = (const uint8_t*)((uintptr_t)n->fetched[number % 2] - n->segments[number].from);
 }
 
+static tensors_t tensors_of(const layer_network_t* n, const layer_t* layer, const uint8_t* picture) {
+  const tensors_t t = {input_of(n, picture, layer->in), layer->operands > 1 ? input_of(n, picture, layer->other) : 0,
+                       n->memory + layer->out};
+  return t;
+}
+
+// Runs a layer without tiles.
+static void run_direct(const layer_network_t* n, const layer_t* layer, const tensors_t* t, const uint8_t* picture,
+                       layer_share_t share) {
+  const layer_block_t* block = block_of(n, layer, 0);
+  if (layer->kind == LAYER_SOFTMAX) {
+    layer_softmax(layer, (const uint32_t*)(const void*)(n->weights + block->data), t->in, t->out, share);
+    return;
+  }
+  for (int32_t j = 0; j < layer->block_count; ++j) {
+    const layer_move_t* move = (const layer_move_t*)(const void*)(n->weights + block[j].data);
+    layer_move(move, input_of(n, picture, move->source), t->out, share);
+  }
+}
+
 void layers_run(const layer_network_t* network, const uint8_t* picture, int32_t first, int32_t count,
                 layer_share_t share) {
   layer_network_t own = *network;
   layer_network_t* n = &own;
-  if (n->l3 != 0 && share.core == 0 && count > 0) {
-    fetch_weights(n, first);
-  }
-  for (int32_t i = first; i < first + count; ++i) {
+  const int32_t end = first + count;
+  copies_t copies;
+  copies.begun = 0;
+  copies.ended = 0;
+  if (share.core == 0 && count > 0) {
+    load_layer(n, first, &copies);
     if (n->l3 != 0) {
-      change_weights(n, i, first + count, share);
+      fetch_weights(n, first);
     }
-    const layer_t* layer = fetch_layer(n, i, share);
-    const layer_block_t* block = block_of(n, layer, 0);
-    tensors_t t;
-    t.in = input_of(n, picture, layer->in);
-    t.other = layer->operands > 1 ? input_of(n, picture, layer->other) : 0;
-    t.out = n->memory + layer->out;
-    if (layer->kind == LAYER_MOVE) {
-      for (int32_t j = 0; j < layer->block_count; ++j) {
-        const layer_move_t* move = (const layer_move_t*)(const void*)(n->weights + block[j].data);
-        layer_move(move, input_of(n, picture, move->source), t.out, share);
-      }
-    } else if (layer->kind == LAYER_SOFTMAX) {
-      layer_softmax(layer, (const uint32_t*)(const void*)(n->weights + block->data), t.in, t.out, share);
+    wait_for_all(&copies);
+  }
+  machine_barrier();
+  for (int32_t i = first; i < end; ++i) {
+    if (n->l3 != 0) {
+      change_weights(n, i, end, share);
+      machine_barrier();
+    }
+    const layer_t* layer = layer_in_l1(n, i);
+    const layer_t* next = i + 1 < end ? layer_in_l1(n, i + 1) : 0;
+    if (share.core == 0 && next != 0) {
+      load_layer(n, i + 1, &copies);
+    }
+    const tensors_t t = tensors_of(n, layer, picture);
+    if (layer->kind == LAYER_TILED) {
+      run_tiles(n, layer, next, &t, &copies, i > first && is_early(n, layer), share);
     } else {
-      run_tiles(n, layer, &t, share);
+      if (share.core == 0) {
+        wait_for_all(&copies);
+        load_ahead(n, next, &copies);
+      }
+      run_direct(n, layer, &t, picture, share);
+    }
+    // The output and the next layer's description have arrived, and all cores have finished the layer.
+    if (share.core == 0) {
+      wait_for_all(&copies);
     }
     machine_barrier();
   }

@@ -16,7 +16,7 @@ from mebots.deploy.graph import Tensor
 from mebots.deploy.layers import Layer, Network
 from mebots.deploy.plan import Part, Plan, Steps, Stream
 
-L1_RESERVED = 320  # LAYER_L1_RESERVED
+L1_RESERVED = 640  # LAYER_L1_RESERVED
 _PICTURE = 0xFFFFFFFF
 _KERNELS = {"max_pool": "layer_max_pool", "average_pool": "layer_average_pool", "add": "layer_add", "multiply": "layer_multiply", "table": "layer_table"}
 
@@ -173,12 +173,15 @@ def _fields(layer: Layer, steps: Steps | None, offsets: dict[Tensor, int]) -> di
         fields |= {
             "by_tile": int(steps.by_tile),
             "sliced": int(steps.sliced),
+            "early": int(steps.early),
             "tile_rows": steps.tile_rows,
             "tiles": steps.tiles,
             **{name: f"{{{getattr(steps, name)[0]}, {getattr(steps, name)[1]}}}" for name in ("l1_in", "l1_other", "l1_data", "l1_out")},
             "l1_unpooled": steps.l1_unpooled,
             "l1_gathered": steps.l1_gathered,
         }
+        if planning.is_depthwise_3x3(layer):
+            fields["strip"] = planning.strip_passes(layer, steps.tile_rows, len(steps.parts[0].groups))
     return fields | _own_fields(layer)
 
 

@@ -53,6 +53,7 @@ class Steps:
     l1_unpooled: int
     l1_gathered: int
     l1_bytes: int
+    early: bool = False  # the first part's data are fetched during the previous layer
 
 
 @dataclasses.dataclass
@@ -86,12 +87,43 @@ def plan(network: Network, memory: Memory, l1_reserved: int) -> Plan:
     """Plans the memory. Raises InputError if a layer does not fit."""
     lifetimes = _lifetimes(network)
     offsets, size = _place(lifetimes)
-    steps = [_steps(layer, memory.l1 - l1_reserved, memory.board) for layer in network.layers]
-    largest = max((one.l1_bytes for one in steps if one is not None), default=0)
+    steps, l1_bytes = _all_steps(network.layers, memory.l1 - l1_reserved, memory.board)
     for one in steps:
         if one is not None:
             _shift(one, l1_reserved)
-    return Plan(offsets, size, lifetimes, steps, largest + l1_reserved)
+    return Plan(offsets, size, lifetimes, steps, l1_bytes + l1_reserved)
+
+
+def _all_steps(layers: list[Layer], available: int, board: str) -> tuple[list[Steps | None], int]:
+    """Returns the steps of all layers, and the bytes of L1 that they need.
+
+    While a layer is computed, the DMA fetches the data of the next layer's first part, if L1 has space for both. Therefore, the
+    buffers of layers with even numbers begin at the start of L1, with these data. Those of layers with odd numbers end at
+    the end of L1, with these data.
+    """
+    chosen: list[Steps | None] = []
+    following = 0  # bytes of the next layer's data
+    for number in reversed(range(len(layers))):
+        layer = layers[number]
+        spare = available - _least_bytes(layers[number - 1]) if number > 0 else 0
+        steps = _steps(layer, available, board, spare, following)
+        chosen.insert(0, steps)
+        following = 0 if steps is None else _first_bytes(layer, steps.parts)
+    end = max((one.l1_bytes for one in chosen if one is not None), default=0)
+    before = available
+    result: list[Steps | None] = []
+    for layer, one in zip(layers, chosen, strict=True):
+        if one is not None:
+            one = _layout(layer, one.parts, one.tile_rows, len(result) % 2 == 1)
+            together = before + _first_bytes(layer, one.parts)
+            one.early = before < together <= available
+            end = max(end, together if one.early else 0)
+        before = 0 if one is None else one.l1_bytes
+        result.append(one)
+    for one in result[1::2]:
+        if one is not None:
+            _shift(one, end - one.l1_bytes)
+    return result, end
 
 
 def _shift(steps: Steps, by: int) -> None:
@@ -142,12 +174,40 @@ def is_depthwise(layer: Layer) -> bool:
 
 
 def is_depthwise_3x3(layer: Layer) -> bool:
-    """True if a special kernel for depthwise 3 x 3 computes the layer. Each core copies input columns to its buffer."""
-    columns = layer.inputs[0].columns + layer.pads[1] + layer.pads[3]
-    return is_depthwise(layer) and layer.kernel == (3, 3) and layer.dilations[1] == 1 and columns <= _MOST_TURNED_COLUMNS
+    """True if a depthwise layer has a kernel for 3 x 3 places. Each core copies columns of the input to its buffer."""
+    return is_depthwise(layer) and layer.kernel == (3, 3) and layer.dilations[1] == 1 and _turned_columns(layer) <= _MOST_TURNED_COLUMNS
 
 
-_MOST_TURNED_COLUMNS = 200  # buffers of 3 KiB per core
+_MOST_TURNED_COLUMNS = 200  # buffers of 3 KiB for each core
+_STRIP_COLUMNS = 64  # buffers of 1 KiB, if several passes fit into them
+
+
+def _turned_columns(layer: Layer) -> int:
+    return layer.inputs[0].columns + layer.pads[1] + layer.pads[3]
+
+
+def rows_per_pass(layer: Layer) -> int:
+    """Returns the output rows that a depthwise kernel for 3 x 3 places computes together."""
+    return 2 if layer.strides[0] == layer.dilations[0] == 1 else 1
+
+
+def _most_passes(layer: Layer) -> int:
+    """Returns the passes that fit into a core's buffer."""
+    return max(1, min(_STRIP_COLUMNS // _turned_columns(layer), math.ceil(layer.output.rows / rows_per_pass(layer))))
+
+
+def strip_passes(layer: Layer, rows: int, groups: int) -> int:
+    """Returns the passes of a unit of work that take the fewest cycles for a tile of ``rows`` rows and ``groups`` groups of channels."""
+    passes = math.ceil(rows / rows_per_pass(layer))
+    return min(range(1, _most_passes(layer) + 1), key=lambda strip: (_strip_cycles(layer, passes, groups, strip), -strip))
+
+
+def _strip_cycles(layer: Layer, passes: int, groups: int, strip: int) -> float:
+    """Returns the cycles of a core for a tile."""
+    filtered = (17 if rows_per_pass(layer) == 2 else 10) * layer.output.columns + 10
+    each = 18 * layer.inputs[0].columns + 70 + GROUP * filtered
+    units = groups * math.ceil(passes / strip)
+    return math.ceil(units / CORES) * (min(strip, passes) * each + GROUP * 50 + 60)
 
 
 def has_outer_rows(layer: Layer) -> bool:
@@ -181,7 +241,7 @@ def pools_sums(layer: Layer) -> bool:
 def core_bytes(layer: Layer) -> int:
     """Returns the bytes of each core's own buffer."""
     if is_depthwise_3x3(layer):  # a constant word, and a word of each channel and column
-        return 4 + 4 * GROUP * (layer.inputs[0].columns + layer.pads[1] + layer.pads[3])
+        return 4 + 4 * GROUP * _turned_columns(layer) * _most_passes(layer)
     if is_depthwise(layer):  # the offsets of the kernel's places
         return 16 * fours(layer)
     if is_dense(layer):  # four partial sums
@@ -309,24 +369,41 @@ def flat_rows(layer: Layer) -> int:
     return layer.output.size
 
 
-def _steps(layer: Layer, available: int, board: str) -> Steps | None:
-    """Returns the division with the lowest estimate of cycles."""
-    if layer.kind not in ROWS_KINDS and layer.kind not in FLAT_KINDS:
+def _is_tiled(layer: Layer) -> bool:
+    return layer.kind in ROWS_KINDS or layer.kind in FLAT_KINDS
+
+
+def _first_bytes(layer: Layer, parts: list[Part]) -> int:
+    """Returns the bytes of L1 for the data of a part."""
+    data = max(data_bytes(layer, one) for one in parts)
+    return align(data + SLACK) if data else 0
+
+
+def _least_bytes(layer: Layer) -> int:
+    """Returns the bytes of L1 that a layer's smallest step needs."""
+    return min(_layout(layer, _parts(layer, count), 1).l1_bytes for count in _counts(layer)) if _is_tiled(layer) else 0
+
+
+def _steps(layer: Layer, available: int, board: str, spare: int, following: int) -> Steps | None:
+    """Returns the division that is estimated to take the fewest cycles.
+
+    ``spare``: bytes of L1 that can be free during the previous layer. ``following``: bytes of the next layer's first data.
+    """
+    if not _is_tiled(layer):
         return None
     best: tuple[float, Steps] | None = None
-    least = None
     for count in _counts(layer):
         parts = _parts(layer, count)
-        need = _layout(layer, parts, 1).l1_bytes
-        least = need if least is None else min(least, need)
-        for rows in _row_choices(layer, parts, available):
+        is_early = _first_bytes(layer, parts) <= spare
+        choices = {*_row_choices(layer, parts, available), *_row_choices(layer, parts, available - following)}
+        for rows in sorted(choices):
             steps = _layout(layer, parts, rows)
-            cost = estimate(layer, steps)
+            cost = estimate(layer, steps, is_early, following if steps.l1_bytes + following <= available else 0)
             if best is None or cost < best[0]:
                 best = (cost, steps)
     if best is None:
         raise InputError(
-            f"layer {layer.name} ({layer.op}) does not fit into L1 of board {board}: its smallest step needs {least} bytes, {available} are available. "
+            f"layer {layer.name} ({layer.op}) does not fit into L1 of board {board}: its smallest step needs {_least_bytes(layer)} bytes, {available} are available. "
             "Use fewer channels, a smaller picture or a smaller kernel",
             "does_not_fit",
         )
@@ -352,7 +429,8 @@ def _row_choices(layer: Layer, parts: list[Part], available: int) -> list[int]:
     return sorted(rows)
 
 
-def _layout(layer: Layer, parts: list[Part], rows: int) -> Steps:
+def _layout(layer: Layer, parts: list[Part], rows: int, is_data_last: bool = False) -> Steps:
+    """Returns the steps of a division. The data of the first part are at the start of L1, or after all other buffers."""
     flat = layer.kind in FLAT_KINDS
     out_rows = flat_rows(layer) if flat else layer.output.rows
     tiles = math.ceil(out_rows / rows)
@@ -363,11 +441,13 @@ def _layout(layer: Layer, parts: list[Part], rows: int) -> Steps:
         channels = parts[0].channels if sliced else layer.inputs[0].channels
         in_rows = (rows * layer.pool - 1) * layer.strides[0] + layer.extent()[0]
         in_size = in_rows * columns_in_l1(layer) * channels
-        out_size = rows * layer.output.columns * max(one.channels for one in parts) * layer.output.element
+        out_rows_in_l1 = rows if not is_depthwise_3x3(layer) else math.ceil(rows / rows_per_pass(layer)) * rows_per_pass(layer)
+        out_size = out_rows_in_l1 * layer.output.columns * max(one.channels for one in parts) * layer.output.element
     unpooled = out_size * layer.pool**2 if layer.pool > 1 and not pools_sums(layer) else 0
     data = max(data_bytes(layer, one) for one in parts)
     several = tiles > 1 or (sliced and len(parts) > 1)
-    at = 0
+    at = _first_bytes(layer, parts) if not is_data_last else 0
+    first_data = 0
 
     def two(size: int, double: bool) -> tuple[int, int]:
         nonlocal at
@@ -381,10 +461,13 @@ def _layout(layer: Layer, parts: list[Part], rows: int) -> Steps:
 
     l1_in = two(in_size, several)
     l1_other = two(in_size, several) if layer.kind in ("add", "multiply") else l1_in
-    l1_data = two(data, len(parts) > 1) if data else (at, at)
+    second_data = two(data, False)[0] if len(parts) > 1 and data else None
     l1_out = two(out_size, tiles * len(parts) > 1)
     l1_unpooled = two(unpooled, False)[0] if unpooled else at
     l1_gathered = two(CORES * core_bytes(layer), False)[0] if core_bytes(layer) else at
+    if is_data_last and data:
+        first_data = two(data, False)[0]
+    l1_data = first_data, first_data if second_data is None else second_data
     return Steps(rows, tiles, parts, sliced, _by_tile(layer, parts, tiles, sliced), l1_in, l1_other, l1_data, l1_out, l1_unpooled, l1_gathered, at)
 
 
@@ -419,16 +502,27 @@ def traffic(layer: Layer, steps: Steps) -> Traffic:
     return Traffic(fetched, weights, layer.output.bytes)
 
 
-def estimate(layer: Layer, steps: Steps) -> float:
-    """Returns the cycles of a layer: the maximum of cores and DMA, plus the cycles in which only one of them works."""
+def early_bytes(layer: Layer, steps: Steps) -> int:
+    """Returns the bytes that the DMA fetches during the previous layer."""
+    return data_bytes(layer, steps.parts[0]) if steps.early else 0
+
+
+def estimate(layer: Layer, steps: Steps, is_early: bool, following: int) -> float:
+    """Returns the cycles of a layer: the maximum of the cores' and the DMA's cycles, plus the cycles in which only one of them works.
+
+    ``is_early``: the first data are fetched during the previous layer. ``following``: bytes of the next layer that are
+    fetched during the last step.
+    """
     count = steps.tiles * len(steps.parts)
     moved = traffic(layer, steps)
     in_rows = min(layer.inputs[0].rows, (steps.tile_rows * layer.pool - 1) * layer.strides[0] + layer.extent()[0])
-    started = _CYCLES_PER_COPY * (2 + (in_rows if columns_in_l1(layer) > layer.inputs[0].columns else 1))  # one of the cores starts copies
-    first = (moved.fetched / (count if steps.by_tile or steps.tiles > 1 else 1) + moved.weights / len(steps.parts)) / _BYTES_PER_CYCLE
+    started = _CYCLES_PER_COPY * (2 + (in_rows if columns_in_l1(layer) > layer.inputs[0].columns else 1))  # by one of the cores
+    weights = 0 if is_early else moved.weights / len(steps.parts)
+    first = (moved.fetched / (count if steps.by_tile or steps.tiles > 1 else 1) + weights) / _BYTES_PER_CYCLE
     work = sum(_step_cycles(layer, steps, one) for one in steps.parts) * steps.tiles
     last = moved.stored / count / _BYTES_PER_CYCLE
-    return max(work + count * started, moved.total / _BYTES_PER_CYCLE) + first + last + count * _CYCLES_PER_STEP
+    saved = min(following / _BYTES_PER_CYCLE, work / count)
+    return max(work + count * started, moved.total / _BYTES_PER_CYCLE) + first + last + count * _CYCLES_PER_STEP - saved
 
 
 _BYTES_PER_CYCLE = 7.0
@@ -445,9 +539,8 @@ def _step_cycles(layer: Layer, steps: Steps, part: Part) -> float:
         area = layer.kernel[0] * layer.kernel[1]
         return rows * columns * part.channels * area * 4 / CORES
     if is_depthwise_3x3(layer):
-        is_pair = layer.strides[0] == layer.dilations[0] == 1
-        turned, filtered = 18 * layer.inputs[0].columns + 140, (20 if is_pair else 12) * columns + 60
-        return math.ceil(math.ceil(rows / (1 + is_pair)) * len(part.groups) / CORES) * (turned + GROUP * filtered)
+        passes, groups = math.ceil(rows / rows_per_pass(layer)), len(part.groups)
+        return _strip_cycles(layer, passes, groups, strip_passes(layer, rows, groups))
     if is_depthwise(layer):
         return math.ceil(rows * len(part.groups) / CORES) * (columns * (32 * fours(layer) + 60) + 60)
     runs_y, runs_x, run = run_geometry(layer)

@@ -90,7 +90,7 @@ def result_of(deployed: Deployed, measurement: Measurement) -> dict[str, Any]:
         "cluster_clock": clock,
         "roof": {"macs_per_cycle": peak(cores), "bytes_per_cycle": DMA_BYTES} | hyper,
         "layers": [_cost(cost, layer.macs, clock, cores, least) for cost, layer, least in zip(measurement.layers, layers, bounds, strict=True)],
-        "total": _cost(measurement.total, sum(one.macs for one in layers), clock, cores, total_bound(bounds, stream, cluster_per_soc)),
+        "total": _cost(measurement.total, sum(one.macs for one in layers), clock, cores, total_bound(layers, deployed.plan, cores, cluster_per_soc)),
         "settings": [
             {"cores": one.cores, "cluster_clock": one.clock_hz, "time": one.total.time_s, "energy": one.total.energy_j, "parts": one.total.parts_j}
             for one in measurement.settings

@@ -4,10 +4,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Sequence
 
 from mebots.deploy.layers import Layer
-from mebots.deploy.plan import Steps, Stream, is_depthwise, pools_sums, traffic
+from mebots.deploy.plan import Plan, Steps, Stream, early_bytes, is_depthwise, pools_sums, traffic
 
 DOT = 4
 """Products of a dot product, which takes one cycle."""
@@ -61,19 +61,33 @@ def compute_cycles(layer: Layer) -> float:
     return values * words + loads + converted * _CONVERSION[layer.requantise.scaling] + compared
 
 
+def _computed(layer: Layer, cores: int) -> float:
+    return compute_cycles(layer) / cores if layer.kind == "convolution" else 0.0
+
+
 def bound(layer: Layer, steps: Steps | None, cores: int) -> float:
-    """Returns a lower bound of a layer's cycles: the cores' instructions, or the bytes that the DMA moves."""
-    moved = 0 if steps is None else traffic(layer, steps).total
-    computed = compute_cycles(layer) / cores if layer.kind == "convolution" else 0.0
-    return max(computed, moved / DMA_BYTES)
+    """Returns a lower bound of a layer's cycles: the cores' instructions, or the bytes that the DMA moves. Data that are
+    fetched during the previous layer do not count."""
+    moved = 0 if steps is None else traffic(layer, steps).total - early_bytes(layer, steps)
+    return max(_computed(layer, cores), moved / DMA_BYTES)
 
 
-def total_bound(bounds: Iterable[float], stream: Stream | None, cluster_per_soc: float) -> float:
-    """Returns a lower bound of the cycles of all layers from the bounds of each layer. While a layer is computed, the next layer's weights
-    come from the HyperRAM. ``cluster_per_soc``: cluster cycles per SoC cycle.
+def total_bound(layers: Sequence[Layer], plan: Plan, cores: int, cluster_per_soc: float) -> float:
+    """Returns a lower bound of the cycles of all layers. While a layer is computed, the DMA fetches the first data of the next layer.
+    If weights are in HyperRAM, the weights of the next layer come from there instead.
+
+    ``cluster_per_soc``: cycles of the cluster for each cycle of the SoC.
     """
-    bounds = list(bounds)
-    if stream is None:
-        return sum(bounds)
+    pairs = list(zip(layers, plan.steps, strict=True))
+    moved = [0 if steps is None else traffic(layer, steps).total for layer, steps in pairs]
+    if plan.stream is None:
+        early = [0 if steps is None else early_bytes(layer, steps) for layer, steps in pairs]
+        moved = [one - own + following for one, own, following in zip(moved, early, [*early[1:], 0], strict=True)]
+    bounds = [max(_computed(layer, cores), one / DMA_BYTES) for layer, one in zip(layers, moved, strict=True)]
+    return sum(bounds) if plan.stream is None else with_hyperram(bounds, plan.stream, cluster_per_soc)
+
+
+def with_hyperram(bounds: Sequence[float], stream: Stream, cluster_per_soc: float) -> float:
+    """Returns a lower bound of the cycles of all layers with weights in HyperRAM. ``bounds`` are those of the layers."""
     fetches = [size / HYPER_BYTES * cluster_per_soc for _, size in stream.segments]
     return fetches[0] + sum(max(layer, fetch) for layer, fetch in zip(bounds, [*fetches[1:], 0.0], strict=True))
