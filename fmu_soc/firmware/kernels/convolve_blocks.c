@@ -27,25 +27,43 @@ static inline __attribute__((always_inline)) void copy_ranges(uint8_t* to, const
 
 #ifdef __riscv
 
-#define LOAD_TWO_WORDS(lower, upper, from) "lw " upper ", 4(" from ")\n\t" XPULP_LW_POST_REG(lower, "%[step]", from)
-#define STORE_TWO_WORDS(lower, upper, to) "sw " upper ", 4(" to ")\n\t" XPULP_SW_POST_REG(lower, "%[bytes]", to)
+// Copy one to four words of a row. The upper words come first, because the lower word moves the pointer to the next
+// row.
+#define LOAD_1(a, b, c, d, from) XPULP_LW_POST_REG(a, "%[step]", from)
+#define LOAD_2(a, b, c, d, from) "lw " b ", 4(" from ")\n\t" LOAD_1(a, b, c, d, from)
+#define LOAD_3(a, b, c, d, from) "lw " c ", 8(" from ")\n\t" LOAD_2(a, b, c, d, from)
+#define LOAD_4(a, b, c, d, from) "lw " d ", 12(" from ")\n\t" LOAD_3(a, b, c, d, from)
+#define STORE_1(a, b, c, d, to) XPULP_SW_POST_REG(a, "%[bytes]", to)
+#define STORE_2(a, b, c, d, to) "sw " b ", 4(" to ")\n\t" STORE_1(a, b, c, d, to)
+#define STORE_3(a, b, c, d, to) "sw " c ", 8(" to ")\n\t" STORE_2(a, b, c, d, to)
+#define STORE_4(a, b, c, d, to) "sw " d ", 12(" to ")\n\t" STORE_3(a, b, c, d, to)
+#define COPY_TWO(words, from_a, from_b, to_a, to_b)                                         \
+  LOAD_##words("t0", "t1", "t2", "t3", from_a) LOAD_##words("t4", "t5", "a6", "a7", from_b) \
+      STORE_##words("t0", "t1", "t2", "t3", to_a) STORE_##words("t4", "t5", "a6", "a7", to_b)
+// `length` is 8 x `words`.
+#define COPY_ROWS(words, length)                                                                                       \
+  __asm__ volatile(XPULP_LOOP("x0", "%[n]", length) COPY_TWO(words, "%[a]", "%[b]", "%[to_a]", "%[to_b]")              \
+                       COPY_TWO(words, "%[c]", "%[d]", "%[to_c]", "%[to_d]") XPULP_LOOP_END                            \
+                   : [a] "+r"(a), [b] "+r"(b), [c] "+r"(c), [d] "+r"(d), [to_a] "+r"(to_a), [to_b] "+r"(to_b),         \
+                     [to_c] "+r"(to_c), [to_d] "+r"(to_d)                                                              \
+                   : [n] "r"(layer->gather_rows), [step] "r"(layer->gather_row_step), [bytes] "r"(layer->gather_bytes) \
+                   : "t0", "t1", "t2", "t3", "t4", "t5", "a6", "a7", "memory")
 
-// Copies the rows of four patches. Rows have at most 8 bytes. Patches are copied to addresses `size` bytes apart.
+// Copies the rows of four patches. A row has at most 16 bytes. Copies are `size` bytes apart.
 static inline __attribute__((always_inline)) void gather_short_rows(const layer_t* layer,
                                                                     const uint8_t* const patches[4], uint8_t* to) {
   const int32_t size = layer->gathered_bytes;
   const uint8_t *a = patches[0], *b = patches[1], *c = patches[2], *d = patches[3];
   uint8_t *to_a = to, *to_b = to + size, *to_c = to + 2 * size, *to_d = to + 3 * size;
-  __asm__ volatile(XPULP_LOOP("x0", "%[n]", "16")                                                 //
-                   LOAD_TWO_WORDS("t0", "t1", "%[a]") LOAD_TWO_WORDS("t2", "t3", "%[b]")          //
-                   STORE_TWO_WORDS("t0", "t1", "%[to_a]") STORE_TWO_WORDS("t2", "t3", "%[to_b]")  //
-                   LOAD_TWO_WORDS("t0", "t1", "%[c]") LOAD_TWO_WORDS("t2", "t3", "%[d]")          //
-                   STORE_TWO_WORDS("t0", "t1", "%[to_c]") STORE_TWO_WORDS("t2", "t3", "%[to_d]")  //
-                   XPULP_LOOP_END
-                   : [a] "+r"(a), [b] "+r"(b), [c] "+r"(c), [d] "+r"(d), [to_a] "+r"(to_a), [to_b] "+r"(to_b),
-                     [to_c] "+r"(to_c), [to_d] "+r"(to_d)
-                   : [n] "r"(layer->gather_rows), [step] "r"(layer->gather_row_step), [bytes] "r"(layer->gather_bytes)
-                   : "t0", "t1", "t2", "t3", "memory");
+  if (layer->gather_bytes > 12) {
+    COPY_ROWS(4, "32");
+  } else if (layer->gather_bytes > 8) {
+    COPY_ROWS(3, "24");
+  } else if (layer->gather_bytes > 4) {
+    COPY_ROWS(2, "16");
+  } else {
+    COPY_ROWS(1, "8");
+  }
 }
 
 #endif
@@ -55,7 +73,7 @@ static inline __attribute__((always_inline)) void gather(const layer_t* layer, c
                                                          uint8_t* to) {
   const int32_t rows = layer->gather_rows, runs = layer->gather_runs, bytes = layer->gather_bytes;
 #ifdef __riscv
-  if (runs == 1 && bytes <= 8) {
+  if (runs == 1 && bytes <= 16) {
     gather_short_rows(layer, patches, to);
     return;
   }
@@ -79,6 +97,9 @@ static void fill_outside(const layer_t* layer, int32_t x, int32_t columns, int i
     const int32_t first = place * layer->stride_columns - layer->outside_left;
     const int32_t begin = smaller(-first * layer->in_channels, bytes);
     const int32_t end = larger((layer->in_columns - first) * layer->in_channels, 0);
+    if (begin <= 0 && end >= bytes) {
+      continue;
+    }
     uint8_t* row = to;
     for (int32_t y = layer->gather_rows; y > 0; --y, row += bytes) {
       for (int32_t at = 0; at < begin; ++at) {
@@ -205,10 +226,11 @@ static inline __attribute__((always_inline)) void convolve(const layer_step_t* s
   const int32_t count = step->rows * pool * columns;
   const int32_t each = is_pooled ? 1 : 4;  // positions of a unit
   const int32_t units = (count + each - 1) / each * step->groups;
+  const range_t range = range_of(units, share);
   const int32_t element = layer->element;
   const int32_t channels = step->channels * element;
-  const int32_t end = units * (share.core + 1) / share.cores;
-  int32_t unit = units * share.core / share.cores;
+  int32_t unit = range.begin;
+  const int32_t end = range.end;
   int32_t place = unit / step->groups;
   int32_t number = unit - place * step->groups;
   place *= each;
@@ -231,21 +253,24 @@ static inline __attribute__((always_inline)) void convolve(const layer_step_t* s
   block.low = layer->low;
   block.high = layer->high;
   block.to_next = channels;
+  const int gathers = layer->gather_runs > 0;
+  const uint8_t* sources[4];
+  const uint8_t** patches = gathers ? sources : block.patches;
+  for (int i = 0; i < 4; ++i) {
+    block.patches[i] = step->gathered + i * layer->gathered_bytes;
+  }
   const int32_t whole_groups = step->channels / 4;
   for (; unit < end; place += each, to += each * channels, number = 0) {
     const int32_t x = at.x;
     if (is_pooled) {
-      next_pooled(&at, block.patches);
+      next_pooled(&at, patches);
     } else {
-      next_four(&at, count - place, block.patches);
+      next_four(&at, count - place, patches);
     }
-    if (layer->gather_runs > 0) {
-      gather(layer, block.patches, step->gathered);
+    if (gathers) {
+      gather(layer, patches, step->gathered);
       if (has_sides && (x < inside.first || x > inside.last)) {
         fill_outside(layer, x, columns, is_pooled, step->gathered);
-      }
-      for (int i = 0; i < 4; ++i) {
-        block.patches[i] = step->gathered + i * layer->gathered_bytes;
       }
     }
     const int32_t groups = smaller(step->groups - number, end - unit);

@@ -4,28 +4,73 @@
 #include "kernels/requantise.h"
 #include "kernels/work.h"
 
-typedef struct {
-  int32_t begin, end;
-} range_t;
-
 static range_t part_of(const layer_step_t* step, layer_share_t share) {
   const int32_t bytes = step->rows * step->layer->out_columns * step->channels;
   const int32_t each = ((bytes + share.cores - 1) / share.cores + 3) & ~3;
-  const range_t part = {share.core * each, (share.core + 1) * each < bytes ? (share.core + 1) * each : bytes};
+  const range_t part = {smaller(share.core * each, bytes), smaller((share.core + 1) * each, bytes)};
   return part;
 }
+
+static inline __attribute__((always_inline)) int32_t sum_of(const layer_t* layer, int32_t a, int32_t b) {
+  return limited((a * layer->factors[0] + b * layer->factors[1] + layer->addend) >> layer->shift, layer->low,
+                 layer->high);
+}
+
+#ifdef __riscv
+
+#define BYTE(word, i) ((int32_t)xpulp_extractu(word, 8, 8 * (i)))
+
+// Computes four bytes at a time. Returns the number of bytes.
+static inline __attribute__((always_inline)) int32_t add_fours(const layer_t* layer, const uint8_t* a, const uint8_t* b,
+                                                               uint8_t* to, int32_t count) {
+  const int32_t f0 = layer->factors[0], f1 = layer->factors[1];
+  const uint32_t addend = (uint32_t)layer->addend, shift = (uint32_t)layer->shift;
+  const int32_t low = layer->low, high = layer->high;
+  for (int32_t left = count / 4; left > 0; --left) {
+    const uint32_t x = xpulp_lw_post(a, 4), y = xpulp_lw_post(b, 4);
+    const int32_t bytes[4] = {
+        limited(xpulp_addNr(xpulp_mac(BYTE(x, 0) * f0, BYTE(y, 0), f1), addend, shift), low, high),
+        limited(xpulp_addNr(xpulp_mac(BYTE(x, 1) * f0, BYTE(y, 1), f1), addend, shift), low, high),
+        limited(xpulp_addNr(xpulp_mac(BYTE(x, 2) * f0, BYTE(y, 2), f1), addend, shift), low, high),
+        limited(xpulp_addNr(xpulp_mac(BYTE(x, 3) * f0, BYTE(y, 3), f1), addend, shift), low, high)};
+    store_four(to, bytes);
+    to += 4;
+  }
+  return count & ~3;
+}
+
+static inline __attribute__((always_inline)) int32_t look_up_fours(const uint8_t* table, const uint8_t* in, uint8_t* to,
+                                                                   int32_t count) {
+  for (int32_t left = count / 4; left > 0; --left) {
+    const uint32_t x = xpulp_lw_post(in, 4);
+    const int32_t bytes[4] = {table[BYTE(x, 0)], table[BYTE(x, 1)], table[BYTE(x, 2)], table[BYTE(x, 3)]};
+    store_four(to, bytes);
+    to += 4;
+  }
+  return count & ~3;
+}
+
+#else
+
+static int32_t add_fours(const layer_t* layer, const uint8_t* a, const uint8_t* b, uint8_t* to, int32_t count) {
+  (void)layer, (void)a, (void)b, (void)to, (void)count;
+  return 0;
+}
+
+static int32_t look_up_fours(const uint8_t* table, const uint8_t* in, uint8_t* to, int32_t count) {
+  (void)table, (void)in, (void)to, (void)count;
+  return 0;
+}
+
+#endif
 
 void layer_add(const layer_step_t* step, layer_share_t share) {
   const layer_t* layer = step->layer;
   const range_t part = part_of(step, share);
-  const int32_t f0 = layer->factors[0], f1 = layer->factors[1], addend = layer->addend, shift = layer->shift;
-  const int32_t low = layer->low, high = layer->high;
-  const uint8_t* a = step->in + part.begin;
-  const uint8_t* b = step->other + part.begin;
-  uint8_t* to = step->out + part.begin;
-#pragma GCC unroll 4
-  for (int32_t i = part.end - part.begin; i > 0; --i) {
-    *to++ = (uint8_t)limited((*a++ * f0 + *b++ * f1 + addend) >> shift, low, high);
+  const uint8_t *a = step->in, *b = step->other;
+  int32_t i = part.begin;
+  for (i += add_fours(layer, a + i, b + i, step->out + i, part.end - i); i < part.end; ++i) {
+    step->out[i] = (uint8_t)sum_of(layer, a[i], b[i]);
   }
 }
 
@@ -44,10 +89,8 @@ void layer_multiply(const layer_step_t* step, layer_share_t share) {
 void layer_table(const layer_step_t* step, layer_share_t share) {
   const range_t part = part_of(step, share);
   const uint8_t* table = step->data;
-  const uint8_t* in = step->in + part.begin;
-  uint8_t* to = step->out + part.begin;
-#pragma GCC unroll 4
-  for (int32_t i = part.end - part.begin; i > 0; --i) {
-    *to++ = table[*in++];
+  int32_t i = part.begin;
+  for (i += look_up_fours(table, step->in + i, step->out + i, part.end - i); i < part.end; ++i) {
+    step->out[i] = table[step->in[i]];
   }
 }

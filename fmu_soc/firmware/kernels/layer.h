@@ -110,8 +110,7 @@ typedef struct {
   int32_t gathered_bytes;   // of a patch, whole words
   int32_t gathered_stride;  // of a core's part of l1_gathered; copies may exceed a patch
   uint32_t l1_gathered;
-  int32_t
-      strip;  // depthwise, 3 x 3: passes of a unit of work. A pass is one output row, or two with a stride of one row
+  int32_t strip;  // depthwise, 3 x 3: passes of a unit. A pass is one output row, or two with a stride of one row
   // Add, multiply
   int32_t factors[2];
   int32_t zeros[2];

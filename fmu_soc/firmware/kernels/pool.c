@@ -78,8 +78,9 @@ void layer_max_pool(const layer_step_t* step, layer_share_t share) {
   // A unit of work is four channels of an output position. Each core computes consecutive units.
   const int32_t fours = (step->channels + 3) / 4;
   const int32_t units = step->rows * columns * fours;
-  const int32_t end = units * (share.core + 1) / share.cores;
-  int32_t unit = units * share.core / share.cores;
+  const range_t range = range_of(units, share);
+  int32_t unit = range.begin;
+  const int32_t end = range.end;
   const int32_t place = unit / fours;
   int32_t four = unit - place * fours;
   int32_t y = place / columns;

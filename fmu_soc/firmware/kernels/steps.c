@@ -41,9 +41,12 @@ typedef struct {
   int needs_in, needs_data;
 } cursor_t;
 
-static cursor_t start_of(void) {
-  const cursor_t first = {0, 0, 0, 0, 0, 1, 1};
-  return first;
+// Sets the first step. An initialiser would be copied from L2.
+static void begin(cursor_t* at, int needs_data) {
+  at->block = at->tile = 0;
+  at->in = at->data = at->out = 0;
+  at->needs_in = 1;
+  at->needs_data = needs_data;
 }
 
 static cursor_t next_of(const layer_t* layer, const cursor_t* now) {
@@ -78,6 +81,12 @@ static int32_t in_channels_of(const layer_t* layer, const layer_block_t* block) 
 }
 
 static void fill(uint8_t* at, int32_t bytes, uint8_t value) {
+#ifdef __riscv
+  const uint32_t word = value * UINT32_C(0x01010101);
+  for (; bytes > 3; bytes -= 4) {
+    xpulp_sw_post(at, 4, word);
+  }
+#endif
   for (; bytes > 0; --bytes) {
     *at++ = value;
   }
@@ -219,24 +228,41 @@ static int is_early(const layer_network_t* n, const layer_t* layer) {
   return layer->early && n->l3 == 0;
 }
 
-// Fetches the data of the next layer's first block. `next` is null after the last layer.
-static void load_ahead(const layer_network_t* n, const layer_t* next, copies_t* copies) {
-  if (next != 0 && is_early(n, next)) {
-    const cursor_t first = start_of();
+// Returns the description of a layer in L1, which the cores read in one cycle.
+static layer_t* layer_in_l1(const layer_network_t* n, int32_t number) {
+  return (layer_t*)(void*)n->l1 + number % 2;
+}
+
+// Fetches the description of a layer. -1: there is no next layer.
+static void load_layer(const layer_network_t* n, int32_t number, copies_t* copies) {
+  if (number < 0) {
+    return;
+  }
+  make_place(copies);
+  note(copies, machine_copy_in(layer_in_l1(n, number), &n->layers[number], sizeof(layer_t)));
+}
+
+// Fetches the data of the first block of layer `number`, whose description is in L1. -1: there is no next layer.
+static void load_ahead(const layer_network_t* n, int32_t number, copies_t* copies) {
+  const layer_t* next = layer_in_l1(n, number);
+  if (number >= 0 && is_early(n, next)) {
+    cursor_t first;
+    begin(&first, 1);
     load_data(n, next, copies, &first);
   }
 }
 
-static void run_tiles(const layer_network_t* n, const layer_t* layer, const layer_t* next_layer, const tensors_t* t,
+static void run_tiles(const layer_network_t* n, const layer_t* layer, int32_t next_number, const tensors_t* t,
                       copies_t* copies, int has_data, layer_share_t share) {
-  cursor_t now = start_of();
+  cursor_t now;
+  begin(&now, !has_data);
   cursor_t last = now;
-  now.needs_data = !has_data;
   if (layer->pad_left + layer->pad_right > 0) {
     fill_sides(n, layer, share);
   }
   if (share.core == 0) {
     load_step(n, layer, t, copies, &now);
+    load_layer(n, next_number, copies);
   }
   const int32_t steps = layer->block_count * layer->tiles;
   for (int32_t i = 0; i < steps; ++i) {
@@ -253,7 +279,7 @@ static void run_tiles(const layer_network_t* n, const layer_t* layer, const laye
       if (i + 1 < steps) {
         load_step(n, layer, t, copies, &next);
       } else {
-        load_ahead(n, next_layer, copies);
+        load_ahead(n, next_number, copies);
       }
       if (n->l3 != 0) {
         n->l3->advance();
@@ -271,16 +297,6 @@ static void run_tiles(const layer_network_t* n, const layer_t* layer, const laye
 
 static const uint8_t* input_of(const layer_network_t* n, const uint8_t* picture, uint32_t at) {
   return at == LAYER_PICTURE ? picture : n->memory + at;
-}
-
-// Returns the description of a layer in L1, which the cores read in one cycle.
-static layer_t* layer_in_l1(const layer_network_t* n, int32_t number) {
-  return (layer_t*)(void*)n->l1 + number % 2;
-}
-
-static void load_layer(const layer_network_t* n, int32_t number, copies_t* copies) {
-  make_place(copies);
-  note(copies, machine_copy_in(layer_in_l1(n, number), &n->layers[number], sizeof(layer_t)));
 }
 
 static void fetch_weights(const layer_network_t* n, int32_t number) {
@@ -342,15 +358,13 @@ void layers_run(const layer_network_t* network, const uint8_t* picture, int32_t 
       machine_barrier();
     }
     const layer_t* layer = layer_in_l1(n, i);
-    const layer_t* next = i + 1 < end ? layer_in_l1(n, i + 1) : 0;
-    if (share.core == 0 && next != 0) {
-      load_layer(n, i + 1, &copies);
-    }
+    const int32_t next = i + 1 < end ? i + 1 : -1;
     const tensors_t t = tensors_of(n, layer, picture);
     if (layer->kind == LAYER_TILED) {
       run_tiles(n, layer, next, &t, &copies, i > first && is_early(n, layer), share);
     } else {
       if (share.core == 0) {
+        load_layer(n, next, &copies);
         wait_for_all(&copies);
         load_ahead(n, next, &copies);
       }

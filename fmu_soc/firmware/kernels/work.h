@@ -36,10 +36,21 @@ static inline __attribute__((always_inline)) int32_t smaller(int32_t a, int32_t 
 #endif
 }
 
+// Consecutive units of work of a core.
+typedef struct {
+  int32_t begin, end;
+} range_t;
+
 static inline __attribute__((always_inline)) int32_t larger(int32_t a, int32_t b) {
 #ifdef __riscv
   return xpulp_max(a, b);
 #else
   return a > b ? a : b;
 #endif
+}
+
+// Returns a core's part of `units` units.
+static inline __attribute__((always_inline)) range_t range_of(int32_t units, layer_share_t share) {
+  const range_t range = {units * share.core / share.cores, units * (share.core + 1) / share.cores};
+  return range;
 }

@@ -260,7 +260,7 @@ def gathers(layer: Layer) -> bool:
     if runs == 1:
         return False
     in_place = runs * (_CYCLES_PER_WORD * words + _CYCLES_PER_RUN)
-    copied = 4 * runs * (7 if run <= 8 else 3 * words + 12)  # for four patches
+    copied = 4 * runs * (2 * words if run <= 16 else 3 * words + 12)  # of four patches
     gathered = _CYCLES_PER_WORD * math.ceil(patch_bytes(layer) / 4) + _CYCLES_PER_RUN
     return columns > 1 or gathered + copied / math.ceil(layer.weight.shape[0] / GROUP) < in_place
 
@@ -530,6 +530,12 @@ _CYCLES_PER_COPY = 85
 _CYCLES_PER_STEP = 250
 
 
+def _block_cycles(layer: Layer) -> int:
+    """Returns the cycles for four places and four channels."""
+    runs_y, runs_x, run = run_geometry(layer)
+    return runs_y * runs_x * (_CYCLES_PER_WORD * math.ceil(run / 4) + _CYCLES_PER_RUN) + (80 if pools_sums(layer) else 130)
+
+
 def _step_cycles(layer: Layer, steps: Steps, part: Part) -> float:
     """Returns the cores' cycles for a part of a tile, including waits for other cores."""
     if layer.kind in FLAT_KINDS:
@@ -548,9 +554,8 @@ def _step_cycles(layer: Layer, steps: Steps, part: Part) -> float:
     if is_dense(layer):
         return groups * (_CYCLES_PER_DENSE_WORD * words + 60) / CORES + 100
     if is_in_blocks(layer):
-        block = runs_y * (_CYCLES_PER_WORD * words + _CYCLES_PER_RUN) + (120 if pools_sums(layer) else 200)
         blocks = math.ceil(rows * columns / 4)
         copied = 6 * patch_bytes(layer) if gathers(layer) else 0
-        return math.ceil(blocks * groups / CORES) * block + math.ceil(blocks / CORES) * (60 + copied)
+        return math.ceil(blocks * groups / CORES) * _block_cycles(layer) + math.ceil(blocks / CORES) * (60 + copied)
     pair = runs_y * runs_x * (14 * words + 8) + 110
     return math.ceil(rows * groups / CORES) * (math.ceil(columns / 2) * pair + 60)
