@@ -225,19 +225,29 @@ static inline __attribute__((always_inline)) void convolve(const layer_step_t* s
   const int32_t columns = layer->out_columns * pool;
   const int32_t count = step->rows * pool * columns;
   const int32_t each = is_pooled ? 1 : 4;  // positions of a unit
-  const int32_t units = (count + each - 1) / each * step->groups;
-  const range_t range = range_of(units, share);
+  const int32_t blocks = (count + each - 1) / each;
+  const int gathers = layer->gather_runs > 0;
   const int32_t element = layer->element;
   const int32_t channels = step->channels * element;
-  int32_t unit = range.begin;
-  const int32_t end = range.end;
-  int32_t place = unit / step->groups;
-  int32_t number = unit - place * step->groups;
+  // Cores share the units. If one of few blocks is short, all cores compute all blocks, and share the groups.
+  range_t groups = {0, step->groups};
+  range_t units;
+  if (!gathers && blocks < share.cores && count % each == 1 && step->groups % share.cores == 0) {
+    groups = range_of(step->groups, share);
+    units.begin = 0;
+    units.end = blocks * (groups.end - groups.begin);
+  } else {
+    units = range_of(blocks * step->groups, share);
+  }
+  const int32_t group_count = groups.end - groups.begin;
+  int32_t unit = units.begin;
+  int32_t place = unit / group_count;
+  int32_t number = unit - place * group_count + groups.begin;
   place *= each;
   uint8_t* to = (layer->then != 0 ? step->unpooled : step->out) + place * channels;
-  const int32_t y = place / columns;
   const int32_t to_lower = layer->stride_rows * step->in_pitch;
-  // The first patch starts with columns that are outside the input and not in L1. Their addresses are before the tile.
+  const int32_t y = place / columns;
+  // Columns outside the input that the tile does not have are before its rows.
   const uint8_t* in = step->in - layer->outside_left * step->in_channels;
   places_t at = {place - y * columns, columns, in + y * (is_pooled ? 2 : 1) * to_lower,
                  layer->stride_columns * step->in_channels, to_lower};
@@ -253,14 +263,13 @@ static inline __attribute__((always_inline)) void convolve(const layer_step_t* s
   block.low = layer->low;
   block.high = layer->high;
   block.to_next = channels;
-  const int gathers = layer->gather_runs > 0;
   const uint8_t* sources[4];
   const uint8_t** patches = gathers ? sources : block.patches;
   for (int i = 0; i < 4; ++i) {
     block.patches[i] = step->gathered + i * layer->gathered_bytes;
   }
   const int32_t whole_groups = step->channels / 4;
-  for (; unit < end; place += each, to += each * channels, number = 0) {
+  for (; unit < units.end; place += each, to += each * channels, number = groups.begin) {
     const int32_t x = at.x;
     if (is_pooled) {
       next_pooled(&at, patches);
@@ -273,12 +282,12 @@ static inline __attribute__((always_inline)) void convolve(const layer_step_t* s
         fill_outside(layer, x, columns, is_pooled, step->gathered);
       }
     }
-    const int32_t groups = smaller(step->groups - number, end - unit);
+    const int32_t computed = smaller(groups.end - number, units.end - unit);
     block.group = (const layer_group_t*)(const void*)(step->data + number * layer->group_bytes);
     block.to = to + number * 4 * element;
-    compute(layer, &block, groups, smaller(whole_groups - number, groups), smaller(count - place, each), is_pooled,
+    compute(layer, &block, computed, smaller(whole_groups - number, computed), smaller(count - place, each), is_pooled,
             scaling);
-    unit += groups;
+    unit += computed;
   }
 }
 
