@@ -70,6 +70,7 @@ void TranslatedRun::set_budget() {
 }
 
 bool TranslatedRun::finish(const translate::Exit& exit) {
+  if (decoded_.blocks.extensions().has_floats()) take_float_flags();
   auto& e = execution_;
   auto& host = e.host;
   // Sets the state of the pipeline before the next instruction. This state is empty if a jump from another block led to

@@ -132,7 +132,6 @@ inline const std::uint8_t* TranslatedRun::begin(std::uint32_t number, const Bloc
 }
 
 inline void TranslatedRun::finish_inside(std::uint64_t exit) {
-  if (decoded_.blocks.extensions().has_floats()) take_float_flags();
   finish(decoded_.translator->exit(exit));
 }
 
@@ -145,7 +144,6 @@ inline bool TranslatedRun::run(const translate::Entry& entry, std::uint32_t stal
       std::rethrow_exception(std::exchange(error_, nullptr));
     return false;
   }
-  if (decoded_.blocks.extensions().has_floats()) take_float_flags();
   if (decoded_.flow != nullptr) report_flow();
   return finish(*exit);
 }
