@@ -103,6 +103,16 @@ def model(name):
     return made
 
 
+def with_all_levels(pictures):
+    """Returns pictures that contain the darkest and the brightest grey level, from which `mebots deploy` computes the input's scale. If a level is
+    missing, adds a copy of the first picture with both levels in its corners."""
+    if pictures.min() == -128 and pictures.max() == 127:
+        return pictures
+    added = pictures[:1].copy()
+    added[0, 0, 0, 0], added[0, 0, -1, -1] = -128, 127
+    return np.concatenate([pictures, added])
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("folder", type=pathlib.Path)
@@ -111,6 +121,7 @@ def main():
     for name, known in NETWORKS.items():
         onnx.save(model(name), folder / f"{name}.onnx")
         pictures = np.fromfile(ROOT / f"examples/paper/training/{known.pictures}.pictures", np.int8).reshape(-1, 1, EDGE, EDGE)
+        pictures = with_all_levels(pictures)
         np.save(folder / f"{name}.npy", pictures.astype(np.float32) / 255)
         print(f"{folder / name}.onnx, {folder / name}.npy: {len(pictures)} pictures")
 
