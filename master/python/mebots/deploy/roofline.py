@@ -73,17 +73,20 @@ def bound(layer: Layer, steps: Steps | None, cores: int) -> float:
 
 
 def total_bound(layers: Sequence[Layer], plan: Plan, cores: int, cluster_per_soc: float) -> float:
-    """Returns a lower bound of the cycles of all layers. While a layer is computed, the DMA fetches the first data of the next layer.
-    If weights are in HyperRAM, the weights of the next layer come from there instead.
+    """Returns a lower bound of the cycles of all layers. While the cores compute a layer, the DMA can fetch the first data of the next
+    layer, if the plan permits it. If weights are in HyperRAM, the weights of the next layer come from there instead.
 
     ``cluster_per_soc``: cycles of the cluster for each cycle of the SoC.
     """
-    pairs = list(zip(layers, plan.steps, strict=True))
-    moved = [0 if steps is None else traffic(layer, steps).total for layer, steps in pairs]
-    if plan.stream is None:
-        early = [0 if steps is None else early_bytes(layer, steps) for layer, steps in pairs]
-        moved = [one - own + following for one, own, following in zip(moved, early, [*early[1:], 0], strict=True)]
-    bounds = [max(_computed(layer, cores), one / DMA_BYTES) for layer, one in zip(layers, moved, strict=True)]
+    bounds = []
+    spare = 0.0  # bytes that the DMA can move while the cores compute the previous layer
+    for layer, steps in zip(layers, plan.steps, strict=True):
+        computed = DMA_BYTES * _computed(layer, cores)
+        moved = float(0 if steps is None else traffic(layer, steps).total)
+        if steps is not None and plan.stream is None:
+            moved -= min(early_bytes(layer, steps), spare, max(moved - computed, 0.0))
+        bounds.append(max(computed, moved) / DMA_BYTES)
+        spare = max(computed - moved, 0.0)
     return sum(bounds) if plan.stream is None else with_hyperram(bounds, plan.stream, cluster_per_soc)
 
 
