@@ -95,8 +95,10 @@ typedef struct {
 
 #define STORE(a, b, c, d) XPULP_PACKLO_B(a, b, a) XPULP_PACKHI_B(a, d, c) XPULP_SW_POST_REG(a, "t1", "t0")
 #define LOAD_BOUNDS "lw t3, " FIELD(low) "lw t4, " FIELD(high) "lw t5, " FIELD(group) "sw %[w], " FIELD(group)
-// t0 is the place of the first position; the place of the next group is four bytes behind it.
-#define LOAD_PLACE "lw t0, " FIELD(to) "lw t1, " FIELD(to_next) "addi t2, t0, 4\n\tsw t2, " FIELD(to)
+// t0 is the place of the first position. The place of the next group is four bytes after it. t3 is the number of
+// groups.
+#define LOAD_PLACE \
+  "lw t0, " FIELD(to) "lw t1, " FIELD(to_next) "lw t3, " FIELD(groups) "addi t2, t0, 4\n\tsw t2, " FIELD(to)
 
 #define CONVERT_AND_STORE(product, limit)                                                                            \
   LOAD_BOUNDS CONVERT_CHANNEL(product, limit, "0", "s0", "s4", "s8", "a4")                                           \
@@ -110,8 +112,7 @@ typedef struct {
           LOAD_PLACE STORE("s0", "s1", "s2", "s3")
 
 // Repeats `text` for each group.
-#define FOR_EACH_GROUP(text) \
-  "1:\n\t" text "lw t0, " FIELD(groups) "addi t0, t0, -1\n\tsw t0, " FIELD(groups) "bnez t0, 1b\n\t"
+#define FOR_EACH_GROUP(text) "1:\n\t" text "addi t3, t3, -1\n\tsw t3, " FIELD(groups) "bnez t3, 1b\n\t"
 
 #define RUN(text)                                                                                                     \
   __asm__ volatile(                                                                                                   \

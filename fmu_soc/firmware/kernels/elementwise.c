@@ -20,9 +20,36 @@ static inline __attribute__((always_inline)) int32_t sum_of(const layer_t* layer
 
 #define BYTE(word, i) ((int32_t)xpulp_extractu(word, 8, 8 * (i)))
 
+#define EXTRACT(to, from, bit) ".insn r 0x33, 1, 0x67, " to ", " from ", x" bit "\n\t"
+#define EXTRACT_FOUR(a, b, c, d, from) \
+  EXTRACT(b, from, "8") EXTRACT(c, from, "16") EXTRACT(d, from, "24") EXTRACT(a, from, "0")
+#define MULTIPLY(a) "mul " a ", " a ", %[f0]\n\t"
+#define ADD_PRODUCT(a, b) XPULP_MAC(a, b, "%[f1]")
+#define SHIFT_AND_LIMIT(a) XPULP_ADDNR(a, "%[addend]", "%[shift]") XPULP_CLIPUR(a, a, "%[high]")
+
+// Adds `fours` times four bytes. The lower bound must be 0.
+static inline __attribute__((always_inline)) void add_from_zero(const layer_t* layer, const uint8_t* a,
+                                                                const uint8_t* b, uint8_t* to, int32_t fours) {
+  __asm__ volatile(
+      XPULP_LOOP("x0", "%[n]", "29") XPULP_LW_POST("t0", "4", "%[a]") XPULP_LW_POST("t4", "4", "%[b]")
+          EXTRACT_FOUR("t0", "t1", "t2", "t3", "t0") EXTRACT_FOUR("t4", "t5", "a6", "a7", "t4") MULTIPLY("t0")
+              MULTIPLY("t1") MULTIPLY("t2") MULTIPLY("t3") ADD_PRODUCT("t0", "t4") ADD_PRODUCT("t1", "t5")
+                  ADD_PRODUCT("t2", "a6") ADD_PRODUCT("t3", "a7") SHIFT_AND_LIMIT("t0") SHIFT_AND_LIMIT("t1")
+                      SHIFT_AND_LIMIT("t2") SHIFT_AND_LIMIT("t3") XPULP_PACKLO_B("t0", "t1", "t0")
+                          XPULP_PACKHI_B("t0", "t3", "t2") XPULP_SW_POST("t0", "4", "%[to]") XPULP_LOOP_END
+      : [a] "+r"(a), [b] "+r"(b), [to] "+r"(to)
+      : [n] "r"(fours), [f0] "r"(layer->factors[0]), [f1] "r"(layer->factors[1]), [addend] "r"(layer->addend),
+        [shift] "r"(layer->shift), [high] "r"((int32_t)layer->high)
+      : "t0", "t1", "t2", "t3", "t4", "t5", "a6", "a7", "memory");
+}
+
 // Computes four bytes at a time. Returns the number of bytes.
 static inline __attribute__((always_inline)) int32_t add_fours(const layer_t* layer, const uint8_t* a, const uint8_t* b,
                                                                uint8_t* to, int32_t count) {
+  if (layer->low == 0 && count > 3) {
+    add_from_zero(layer, a, b, to, count / 4);
+    return count & ~3;
+  }
   const int32_t f0 = layer->factors[0], f1 = layer->factors[1];
   const uint32_t addend = (uint32_t)layer->addend, shift = (uint32_t)layer->shift;
   const int32_t low = layer->low, high = layer->high;
