@@ -66,8 +66,8 @@ class Requantisation:
         return np.clip((product + self.addend) >> self.shift, low, high).astype(np.uint8)
 
 
-def requantisation(factors: np.ndarray, zero: int, bounds: np.ndarray) -> Requantisation:
-    """Returns the integers for one real factor per channel. ``bounds`` contains the largest magnitude of each channel's sums."""
+def requantisation(factors: np.ndarray, zero: int | np.ndarray, bounds: np.ndarray) -> Requantisation:
+    """Returns the integers that represent one real factor for each channel. ``zero`` is one for all, or one for each channel. ``bounds`` must be the largest magnitudes of the sums."""
     factors = np.asarray(factors, dtype=np.float64)
     bounds = np.asarray(bounds, dtype=np.float64)
     if (factors < 0.25).all() and (_narrow_multipliers(factors, zero, bounds)[0] < LEAST_NARROW).any():
@@ -75,7 +75,7 @@ def requantisation(factors: np.ndarray, zero: int, bounds: np.ndarray) -> Requan
     return _narrow(factors, zero, bounds)
 
 
-def _wide(factors: np.ndarray, zero: int) -> Requantisation:
+def _wide(factors: np.ndarray, zero: int | np.ndarray) -> Requantisation:
     exponents = np.frexp(np.maximum(factors, 2.0**-60))[1]
     shifts = np.clip(-1 - exponents, _LEAST_SHIFT, _MOST_SHIFT).astype(np.int64)
     multipliers = np.floor(np.ldexp(factors, shifts + 32) + 0.5).astype(np.int64)
@@ -85,14 +85,14 @@ def _wide(factors: np.ndarray, zero: int) -> Requantisation:
     return Requantisation(multipliers, addends, shifts, "wide")
 
 
-def _narrow_multipliers(factors: np.ndarray, zero: int, bounds: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Returns the largest multipliers whose products fit into 32 bits, with their shifts."""
+def _narrow_multipliers(factors: np.ndarray, zero: int | np.ndarray, bounds: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Returns the largest multipliers for which all products fit into 32 bits, and their shifts."""
     most = bounds * factors + zero + 1
     shifts = np.clip(np.floor(np.log2(LARGEST_SUM / np.maximum(most, 1e-9))) - 1, 1, _MOST_SHIFT).astype(np.int64)
     return np.floor(np.ldexp(factors, shifts) + 0.5).astype(np.int64), shifts
 
 
-def _narrow(factors: np.ndarray, zero: int, bounds: np.ndarray) -> Requantisation:
+def _narrow(factors: np.ndarray, zero: int | np.ndarray, bounds: np.ndarray) -> Requantisation:
     multipliers, shifts = _narrow_multipliers(factors, zero, bounds)
     addends = (zero << shifts) + (np.int64(1) << (shifts - 1))
     if (bounds * multipliers + np.abs(addends) > LARGEST_SUM).any():

@@ -75,8 +75,9 @@ def _group(layer: Layer, part: Part, group: tuple[int, int, int], sliced: bool) 
     given = (layer.bias,) if r is None else (layer.bias, r.multiplier, r.addend, r.shift)
     for row, values in zip(rows, given, strict=False):
         row[:count] = values[first : first + count]
-    lower = np.zeros(4 if r is not None and r.lower is not None else 0, dtype=np.int64)
-    if lower.size:
+    lower = np.zeros(0, dtype=np.int64)
+    if r is not None and r.lower is not None:
+        lower = np.zeros(4, dtype=np.int64)
         lower[:count] = r.lower[first : first + count]
     if planning.is_depthwise(layer):
         weights = _depthwise_weights(layer, first, count)
@@ -114,9 +115,9 @@ def _data(layer: Layer, part: Part, sliced: bool = False) -> bytes:
     if layer.kind == "convolution":
         return b"".join(_group(layer, part, one, sliced) for one in part.groups)
     if layer.kind == "average_pool":
-        r = layer.requantise
+        r = layer.requantisation
         return b"".join(_words(*one) for one in zip(r.multiplier, r.addend, r.shift, strict=True))
-    return layer.table.tobytes() if layer.table is not None else b""
+    return layer.table.tobytes()
 
 
 def _block_table(layer: Layer, steps: Steps | None, weights: Weights, sources: dict[Tensor, int]) -> tuple[int, int]:
@@ -202,7 +203,7 @@ def _own_fields(layer: Layer) -> dict[str, Any]:
     if layer.kind == "add":
         return {"factors": f"{{{layer.factors[0]}, {layer.factors[1]}}}", "addend": layer.addend, "shift": layer.shift}
     if layer.kind == "multiply":
-        r = layer.requantise
+        r = layer.requantisation
         zeros = f"{{{layer.zeros[0]}, {layer.zeros[1]}}}"
         return {"factors": f"{{{r.multiplier[0]}, 0}}", "zeros": zeros, "addend": r.addend[0], "shift": r.shift[0]}
     return {}

@@ -61,6 +61,11 @@ class Tensor:
         return np.moveaxis(memory.reshape(self.stored()), 2, 0).reshape(self.shape)
 
 
+def no_values() -> np.ndarray:
+    """Returns an array without values, for fields that only some kinds of nodes and layers have."""
+    return np.empty(0)
+
+
 @dataclasses.dataclass(eq=False)
 class Node:
     kind: str
@@ -68,9 +73,9 @@ class Node:
     op: str  # replaced ONNX operators, for reports
     inputs: list[Tensor]
     output: Tensor
-    weight: np.ndarray | None = None
-    bias: np.ndarray | None = None
-    weight_steps: np.ndarray | None = None  # scale of weights that the model stores as bytes, for all or per output channel
+    weight: np.ndarray = dataclasses.field(default_factory=no_values)
+    bias: np.ndarray = dataclasses.field(default_factory=no_values)
+    weight_steps: np.ndarray | None = None  # scale of weights that the model stores as bytes: one for all, or one for each output channel
     kernel: tuple[int, int] = (1, 1)
     strides: tuple[int, int] = (1, 1)
     pads: tuple[int, int, int, int] = (0, 0, 0, 0)  # top, left, bottom, right

@@ -54,6 +54,7 @@ class Judgement:
         place = objects / f"input {size[0]} {size[1]}"
         smaller.sources.write(place)
         program = check(place, place, smaller, True, objects)
+        assert program is not None
         compared = comparison(smaller, self._options)
         outputs = outputs_of(smaller, compared)
         layers = smaller.network.layers

@@ -8,7 +8,7 @@ import dataclasses
 import numpy as np
 
 from mebots.deploy.arithmetic import Requantisation, Scale
-from mebots.deploy.graph import Tensor
+from mebots.deploy.graph import Tensor, no_values
 from mebots.deploy.moving import Move
 
 
@@ -30,28 +30,34 @@ class Layer:
     dilations: tuple[int, int] = (1, 1)
     groups: int = 1
     pool: int = 1
-    weight: np.ndarray | None = None  # int8; dimensions: out, in / groups, rows, columns
-    bias: np.ndarray | None = None  # int32; includes the zero of the input
-    requantise: Requantisation | None = None
+    weight: np.ndarray = dataclasses.field(default_factory=no_values)  # int8; dimensions: out, in / groups, rows, columns
+    bias: np.ndarray = dataclasses.field(default_factory=no_values)  # int32; includes the zero of the input
+    requantise: Requantisation | None = None  # None: the output has the sums, or no sums are computed
     counts_pads: bool = True
     factors: tuple[int, int] = (0, 0)
     zeros: tuple[int, int] = (0, 0)
     addend: int = 0
     shift: int = 0
-    table: np.ndarray | None = None
+    table: np.ndarray = dataclasses.field(default_factory=no_values)
     moves: list[tuple[Move, np.ndarray | None]] = dataclasses.field(default_factory=list)
     fill: int | None = None
 
     @property
     def macs(self) -> int:
-        """Returns the number of multiplications, including those with positions outside the input."""
-        if self.weight is None:
+        """Returns the number of products of a weight and a value. Products with positions outside the input count, too."""
+        if self.weight.size == 0:
             return 0
         return int(self.weight.size // self.weight.shape[0]) * self.output.size * self.pool**2
 
     @property
     def weights(self) -> int:
-        return 0 if self.weight is None else int(self.weight.size)
+        return int(self.weight.size)
+
+    @property
+    def requantisation(self) -> Requantisation:
+        """Returns the conversion of sums to bytes, which the layer must have."""
+        assert self.requantise is not None
+        return self.requantise
 
     def extent(self) -> tuple[int, int]:
         """Returns the rows and columns that the dilated kernel covers."""
@@ -112,7 +118,7 @@ def _average(layer: Layer, values: np.ndarray) -> np.ndarray:
     if not layer.counts_pads:
         inside = dataclasses.replace(layer, outside=0)
         count = _windows(inside, np.ones((*values.shape[:2], 1), dtype=np.int64)).sum(axis=(2, 3)) - 1
-    r = layer.requantise
+    r = layer.requantisation
     chosen = Requantisation(r.multiplier[count], r.addend[count], r.shift[count], r.scaling)
     return chosen.apply(sums, layer.low, layer.high)
 
@@ -145,7 +151,7 @@ def compute(layer: Layer, values: list[np.ndarray]) -> np.ndarray:
         return np.clip(sums >> layer.shift, layer.low, layer.high).astype(np.uint8)
     if layer.kind == "multiply":
         a, b = (one.astype(np.int64) - zero for one, zero in zip(values, layer.zeros, strict=True))
-        return layer.requantise.apply(a * b, layer.low, layer.high)
+        return layer.requantisation.apply(a * b, layer.low, layer.high)
     if layer.kind == "table":
         return layer.table[values[0]]
     if layer.kind == "softmax":

@@ -361,7 +361,7 @@ def data_bytes(layer: Layer, part: Part) -> int:
     if layer.kind == "convolution":
         return len(part.groups) * group_bytes(layer)
     if layer.kind == "average_pool":
-        return 12 * len(layer.requantise.multiplier)
+        return 12 * len(layer.requantisation.multiplier)
     return 256 if layer.kind == "table" else 0
 
 

@@ -180,6 +180,7 @@ class Quantiser:
 
     def table(self, node: Node) -> Layer:
         source, scale = self._scale(node.inputs[0]), self._out_scale(node)
+        assert node.function is not None
         return self.layer("table", node, table=scale.bytes(node.function(source.real(np.arange(256)))))
 
     def softmax(self, node: Node) -> Layer:

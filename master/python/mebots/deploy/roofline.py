@@ -45,8 +45,8 @@ def peak(cores: int) -> float:
 
 
 def compute_cycles(layer: Layer) -> float:
-    """Returns a lower bound of one core's cycles for a layer with products."""
-    assert layer.weight is not None
+    """Returns a lower bound of the cycles that one core takes for a layer with products."""
+    assert layer.weight.size > 0
     values = layer.output.size * layer.pool**2
     places = values // layer.output.channels
     words = math.ceil(math.prod(layer.weight.shape[1:]) / DOT)

@@ -42,7 +42,6 @@ def _is_affine(node: Node) -> bool:
     """True if the node multiplies each channel by a constant and adds another constant."""
     return (
         node.kind == "conv"
-        and node.weight is not None
         and node.weight.shape[1:] == (1, 1, 1)
         and node.groups == node.output.channels == node.inputs[0].channels
         and node.strides == (1, 1)
@@ -85,7 +84,7 @@ def _join_addends(graph: Graph) -> bool:
     """Merges integers that are added to the sums of a convolution or dense layer into its bias. PLiNIO ends networks with such an
     addition."""
     for first, second in _pairs(graph):
-        if first.kind != "conv" or not _is_affine(second) or second.weight is None or second.bias is None or first.bias is None:
+        if first.kind != "conv" or not _is_affine(second):
             continue
         if (second.weight != 1).any() or (np.rint(second.bias) != second.bias).any():
             continue
@@ -101,8 +100,8 @@ def _join_pads(graph: Graph) -> bool:
         pads = _pads_of(first)
         if pads is None:
             continue
-        total = tuple(a + b for a, b in zip(pads, second.pads, strict=True))
-        joined = dataclasses.replace(second, op=f"{first.op}+{second.op}", inputs=first.inputs, pads=total)
+        top, left, bottom, right = (a + b for a, b in zip(pads, second.pads, strict=True))
+        joined = dataclasses.replace(second, op=f"{first.op}+{second.op}", inputs=first.inputs, pads=(top, left, bottom, right))
         _replace(graph, first, second, joined)
         return True
     return False
