@@ -156,11 +156,11 @@ class Campaign:
             self._dispatcher.flush()
             take()
         for mission, (what, values) in tried.items():
-            error, about = found[mission]["error"], found[mission].get("about", "")
-            if setting := _SETTING.match(error):  # removes "set()" from the text, because the value is in the study
-                about, error = setting[1], error[setting.end():]
-            if error:
-                problems.setdefault(error, self._blamed(about, error, values) or what)
+            text, about = found[mission]["error"], found[mission].get("about", "")
+            if setting := _SETTING.match(text):  # the message must not refer to set(), because the value is in the study
+                about, text = setting[1], text[setting.end():]
+            if text:
+                problems.setdefault(text, self._blamed(about, text, values) or what)
         if problems:
             told = (": ".join(filter(None, (self.study.place, what, error))) for error, what in problems.items())
             raise InputError("\n".join(told), "invalid_value")
@@ -447,9 +447,9 @@ class Campaign:
             if has_all(record, order):
                 return record, place
         for other in others:
-            record = other.find(order["mission"])
-            if record is not None and has_all(record, order):
-                return record, journal.append([record])[0]
+            found = other.find(order["mission"])
+            if found is not None and has_all(found, order):
+                return found, journal.append([found])[0]
         return None
 
     def _rate(self) -> float:

@@ -8,6 +8,7 @@ from __future__ import annotations
 import decimal
 import math
 import statistics
+from collections.abc import Callable
 from typing import Any
 
 from mebots import _mebots
@@ -97,7 +98,7 @@ def _integer(bounds: list[int], u: float) -> int:
     return min(least + int(u * (most - least + 1)), most)
 
 
-_KINDS = {
+_KINDS: dict[str, Callable[[Any, float], Any]] = {
     "uniform": _between,
     "log_uniform": _log_between,
     "integer": _integer,

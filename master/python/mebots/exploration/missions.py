@@ -241,7 +241,8 @@ class Missions:
         """Divides values into keys of the config and parameters. Replaces options by their settings."""
         if self._is_plain(tuple(values)):
             return {}, {name: self._located(name, value) if isinstance(value, str) else value for name, value in values.items()}
-        pointers, settings = {}, {}
+        pointers: Values = {}
+        settings: Values = {}
         for name, value in values.items():
             for key, setting in self.settings(name, value).items():
                 place = pointers if key.startswith("/") else settings

@@ -177,7 +177,7 @@ def formula(text: str, known: Iterable[str], place: str) -> Callable[[Mapping[st
     known = set(known)
 
     def compiled(node: ast.AST) -> Callable[[Mapping[str, Any]], float]:
-        if isinstance(node, ast.Constant) and type(node.value) in (int, float):
+        if isinstance(node, ast.Constant) and isinstance(node.value, (int, float)) and not isinstance(node.value, bool):
             number = float(node.value)
             return lambda values: number
         name = _dotted(node)

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from mebots.exploration.study import Values
@@ -34,7 +34,7 @@ class Orders:
 
     digests: list[bytes]
     common: Order = dataclasses.field(default_factory=dict)
-    columns: dict[str, Sequence[Any]] = dataclasses.field(default_factory=dict)
+    columns: Mapping[str, Sequence[Any]] = dataclasses.field(default_factory=dict)
     own: Sequence[Order] | None = None
 
     @classmethod

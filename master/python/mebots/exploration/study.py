@@ -248,9 +248,13 @@ def _fork(content: dict[str, Any]) -> Fork:
     return Fork(float(content["at"]), tuple(content["variables"]))
 
 
+def _bound(content: dict[str, Any]) -> float:
+    return content["above"] if "above" in content else content["below"]
+
+
 def _splitting(content: dict[str, Any]) -> Splitting:
     levels = tuple(float(level) for level in content.get("levels", ()))
-    goal = levels[-1] if levels else float(content.get("above", content.get("below")))
+    goal = levels[-1] if levels else float(_bound(content))
     rises = levels[-1] >= levels[0] if levels else "above" in content
     return Splitting(content["score"], levels, goal, 1 if rises else -1, content["missions"], tuple(content["reseed"]))
 
@@ -274,7 +278,7 @@ def _objective(label: str, content: dict[str, Any]) -> Objective:
 
 
 def _constraint(label: str, content: dict[str, Any]) -> Constraint:
-    return Constraint(label, "above" in content, content.get("above", content.get("below")))
+    return Constraint(label, "above" in content, _bound(content))
 
 
 def _stop(content: dict[str, Any]) -> Stop:

@@ -296,7 +296,8 @@ def _reduced(mission: Mission, name: str, how: str) -> float | None:
     if how == "first_true":
         times_s = memoryview(mission._run.times).cast("d")
         return next((time_s for time_s, value in zip(times_s, values, strict=True) if value != 0), None)
-    return {"min": min, "max": max, "first": lambda all: all[0], "last": lambda all: all[-1]}[how](values)
+    functions: dict[str, Callable[[Any], float]] = {"min": min, "max": max, "first": lambda all: all[0], "last": lambda all: all[-1]}
+    return functions[how](values)
 
 
 def _without_paths(text: str, order: Order) -> str:

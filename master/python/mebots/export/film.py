@@ -52,6 +52,7 @@ def write_film(page: pathlib.Path, out: pathlib.Path, frames_per_second: int, sp
         command = [encoder, "-y", "-loglevel", "error", "-f", "image2pipe", "-framerate", str(frames_per_second), "-i", "-",
                    "-pix_fmt", "yuv420p", "-crf", "26", str(out)]
         film = subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.PIPE)
+        assert film.stdin is not None
         try:
             while frames * speed / frames_per_second <= end + 1e-9:
                 tab.evaluate(SHOW % (frames * speed / frames_per_second))

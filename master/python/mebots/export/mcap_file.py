@@ -14,6 +14,7 @@ import json
 import math
 import pathlib
 import re
+from typing import Any
 
 from mebots.errors import InputError
 from mebots.results import Results, read
@@ -127,19 +128,19 @@ def instance_of(name, instances):
 
 
 def export_variables(export, results: Results, instances):
-    groups = {}
+    groups: dict[str, list[tuple[list, list, str]]] = {}
     for name in results.variables:
         instance = instance_of(name, instances)
         values = results[name]
         values = values if isinstance(values, list) else values.tolist()
         groups.setdefault(instance, []).append((values, path_of(name[len(instance) + 1:]), results.unit(name) or "-"))
     for instance, columns in groups.items():
-        units = {}
+        units: dict[str, Any] = {}
         for values, path, unit in columns:
             put(units, path, {"type": "string" if values and isinstance(values[0], str) else "number", "description": f"[{unit}]"})
         schema = record(f"mebots.{instance}", **units)
         for row, time in enumerate(results.times):
-            message = {}
+            message: dict[str, Any] = {}
             for values, path, _ in columns:
                 put(message, path, values[row])
             export.add(f"/{instance}", f"mebots.{instance}", schema, nanoseconds(time), message)
@@ -158,7 +159,8 @@ def export_scene(export, results: Results, scene, instance):
                 "translation": {"x": x, "y": y, "z": z}, "rotation": quaternion(*angles)})
     greys = [mean_grey(texture) for texture in scene.get("textures", [])]
     movers = scene.get("movers", [])
-    standing, *moving = [[] for _ in range(len(movers) + 1)]
+    standing: list[dict[str, Any]] = []
+    moving: list[list[dict[str, Any]]] = [[] for _ in movers]
     for face in scene.get("faces", []):
         grey = min(1.0, greys[face["texture"]] * face["light"] / 255)
         moved = "mover" in face

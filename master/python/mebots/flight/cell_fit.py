@@ -250,7 +250,10 @@ def fit_cell(base: dict[str, Any], flights: Sequence[Flight], folder: pathlib.Pa
             break
         kept[worst[1]] = f"not determined: the factor's logarithm has a standard error of {worst[0]:.2g}"
         free.remove(worst[1])
-    factors = {name: (float(np.exp(fit.values[i])), *map(float, np.exp(fit.interval(i)))) for i, name in enumerate(free)}
+    factors = {}
+    for i, name in enumerate(free):
+        low, high = map(float, np.exp(fit.interval(i)))
+        factors[name] = (float(np.exp(fit.values[i])), low, high)
     return CellFit(factors, kept, fit.rms, before.rms, len(fit.residuals))
 
 

@@ -71,7 +71,8 @@ def thrusts(traces: Traces, log: FlightLog) -> Iterator[tuple[str, Array, Mask]]
     if traces.has_measured_voltage:
         yield MEASURED_VOLTAGE, traces.thrust_n("motors_at_measured"), everywhere
     if log.has(SPEEDS):
-        thrust_n = sum(_at_measured_speed(traces, log[name], i + 1) for i, name in enumerate(SPEEDS))
+        each_n = (_at_measured_speed(traces, log[name], i + 1) for i, name in enumerate(SPEEDS))
+        thrust_n = sum(each_n, start=np.zeros(len(traces.times)))
         yield MEASURED_SPEEDS, thrust_n, np.logical_and.reduce([covered(log[name], traces.times) for name in SPEEDS])
 
 

@@ -86,10 +86,11 @@ def motion_of(log: FlightLog, airframe: Airframe, times: Array, good: Mask, wind
     good = good & covered(speed, times) & ~_on_ground(log, times)
     upright = np.ones(len(times))
     tilt = [log.signals.get(f"attitude.q{part}") for part in "xy"]
-    if all(one is not None and len(one) > 1 for one in tilt):
-        x, y = (np.interp(times, one.times, one.values) for one in tilt)
+    known = [one for one in tilt if one is not None and len(one) > 1]
+    if len(known) == len(tilt):
+        x, y = (np.interp(times, one.times, one.values) for one in known)
         upright = 1 - 2 * (x**2 + y**2)
-        good = good & covered(tilt[0], times)
+        good = good & covered(known[0], times)
     else:
         notes.append("the log has no attitude: a level drone is assumed")
     start, end, rejected = _windows(times, good, window_s)

@@ -130,8 +130,8 @@ def _summary(log: FlightLog, airframe: Airframe, traces: Traces, motion: Motion 
 
 
 def _write(folder: pathlib.Path, result: Replay, mission: dict[str, bytes]) -> None:
-    for name, content in mission.items():
-        write_whole(folder / name, [content])
+    for name, file in mission.items():
+        write_whole(folder / name, [file])
     write_csv(folder / "errors.csv", table(result.errors))
     content = result.summary | {
         "errors": [dataclasses.asdict(one) for one in result.errors],

@@ -62,7 +62,7 @@ class Traces:
         return "motors_at_measured.power" in self.values
 
     def thrust_n(self, instance: str = "motors") -> Array:
-        return sum(self.values[f"{instance}.rotor[{i}].thrust"] for i in ROTORS)
+        return sum((self.values[f"{instance}.rotor[{i}].thrust"] for i in ROTORS), start=np.zeros(len(self.times)))
 
 
 def fly(log: FlightLog, airframe: Airframe, folder: pathlib.Path | None, step_s: float, initial_charge: float | None) -> Traces:

@@ -78,8 +78,10 @@ class Planner:
         end = Goal(to_m, ZERO, ZERO, _nearest(yaw_rad, start.yaw_rad), 0.0)
         if linear and duration_s > 0.0:
             vx, vy, vz = ((after - before) / duration_s for before, after in zip(start.position_m, to_m, strict=True))
-            even = {"velocity_m_per_s": (vx, vy, vz), "acceleration_m_per_s2": ZERO, "yaw_rate_rad_per_s": (end.yaw_rad - start.yaw_rad) / duration_s}
-            start, end = start._replace(**even), end._replace(**even)
+            yaw_rate = (end.yaw_rad - start.yaw_rad) / duration_s
+            start, end = (
+                one._replace(velocity_m_per_s=(vx, vy, vz), acceleration_m_per_s2=ZERO, yaw_rate_rad_per_s=yaw_rate) for one in (start, end)
+            )
         self._fly(start, end, duration_s, time_s)
 
     def spiral(self, angle_rad: float, radii_m: tuple[float, float], ascent_m: float, duration_s: float, time_s: float, *,
@@ -111,9 +113,11 @@ class Planner:
         (from_centre, velocity, acceleration, _), (to_centre, end_velocity, end_acceleration, end_yaw_rad) = ends
         x, y, z = begin.position_m
         climb_m_per_s = ascent_m / duration_s
-        start = Goal(begin.position_m, (*velocity, climb_m_per_s), (*acceleration, 0.0), yaw_rad, turn_rad_per_s)
+        start_velocity = (velocity[0], velocity[1], climb_m_per_s)
+        start = Goal(begin.position_m, start_velocity, (acceleration[0], acceleration[1], 0.0), yaw_rad, turn_rad_per_s)
         end_m = (x - from_centre[0] + to_centre[0], y - from_centre[1] + to_centre[1], z + ascent_m)
-        end = Goal(end_m, (*end_velocity, climb_m_per_s), (*end_acceleration, 0.0), end_yaw_rad, turn_rad_per_s)
+        last_velocity = (end_velocity[0], end_velocity[1], climb_m_per_s)
+        end = Goal(end_m, last_velocity, (end_acceleration[0], end_acceleration[1], 0.0), end_yaw_rad, turn_rad_per_s)
         self._fly(start, end, duration_s, time_s)
 
     def follow(self, pieces: Sequence[Piece], time_scale: float, time_s: float, *, relative: bool, turned: bool, backwards: bool) -> None:
