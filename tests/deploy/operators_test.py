@@ -12,7 +12,7 @@ from mebots.deploy import checking
 from mebots.deploy import layers as integers
 from mebots.deploy.deployed import Options
 from mebots.deploy.lowering import lower
-from mebots.deploy.plan import gathers, has_outer_columns, is_depthwise_3x3
+from mebots.deploy.plan import gathers, has_outer_columns, is_dense, is_depthwise_3x3
 
 
 def pair(random, low, high):
@@ -74,16 +74,30 @@ class Convolutions(OperatorCase):
         geometries = ((plain, plain, [1] * 4), ([2, 1], [2, 1], [0, 2, 1, 0]), ([3, 2], plain, [2, 0, 0, 1]), ([1, 3], plain, [0, 1, 2, 2]))
         for strides, dilations, pads in geometries:
             maker.output(maker.conv("x", 7, 7, (3, 3), 7, pads=pads, strides=strides, dilations=dilations))
-        model, data = maker.save(self.folder)
-        deployed = lower(model, data, Options())
+        deployed = self.check_with_each_number_of_cores(maker)
         self.assertTrue(all(is_depthwise_3x3(one) for one in deployed.network.layers))
+        self.near_to_float(deployed, 2.5)
+
+    def check_with_each_number_of_cores(self, maker):
+        deployed = lower(*maker.save(self.folder), Options())
         library = self.folder / "library"
         deployed.sources.write(library)
         program = checking.check(library, self.folder, deployed, True, objects())
         values = integers.run(deployed.network, program.picture)
         for cores in range(2, 8):
             checking.compare(deployed.network, values, program.check(cores), f"{cores} cores")
-        self.near_to_float(deployed, 2.5)
+        return deployed
+
+    def test_dense_layers_give_the_references_integers_with_each_number_of_cores(self):
+        # One group of four channels for all cores; groups that end inside of a core's products; less than a word for each core.
+        for inputs, sizes in ((517, (3, 4, 64, 37)), (9, (70, 5))):
+            maker = Maker(18, (inputs, 1, 1))
+            name, before = "x", inputs
+            for out in sizes:
+                name, before = maker.conv(name, before, out, (1, 1)), out
+                maker.output(name)
+            deployed = self.check_with_each_number_of_cores(maker)
+            self.assertTrue(all(is_dense(one) for one in deployed.network.layers))
 
     def test_patches_with_few_channels_at_the_sides_of_the_input(self):
         maker = Maker(16, (3, 10, 9))
