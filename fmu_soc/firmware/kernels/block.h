@@ -19,7 +19,7 @@ typedef struct {
   int32_t groups;             // from `group` on
   uint8_t* to;                // first output position
   const uint8_t* patches[4];  // of the output positions
-  int32_t sums[16];           // four channels of the first position, then of the second one ...
+  int32_t sums[16];           // four channels of the first position, then of the second position, and so on
 } block_t;
 
 #ifdef __riscv

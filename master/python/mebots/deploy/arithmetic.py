@@ -67,7 +67,8 @@ class Requantisation:
 
 
 def requantisation(factors: np.ndarray, zero: int | np.ndarray, bounds: np.ndarray) -> Requantisation:
-    """Returns the integers that represent one real factor for each channel. ``zero`` is one for all, or one for each channel. ``bounds`` must be the largest magnitudes of the sums."""
+    """Returns the integers for one real factor per channel. ``zero`` is one for all channels, or one per channel. ``bounds`` contains
+    the largest magnitude of each channel's sums."""
     factors = np.asarray(factors, dtype=np.float64)
     bounds = np.asarray(bounds, dtype=np.float64)
     if (factors < 0.25).all() and (_narrow_multipliers(factors, zero, bounds)[0] < LEAST_NARROW).any():
@@ -86,7 +87,7 @@ def _wide(factors: np.ndarray, zero: int | np.ndarray) -> Requantisation:
 
 
 def _narrow_multipliers(factors: np.ndarray, zero: int | np.ndarray, bounds: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Returns the largest multipliers for which all products fit into 32 bits, and their shifts."""
+    """Returns the largest multipliers whose products fit into 32 bits, with their shifts."""
     most = bounds * factors + zero + 1
     shifts = np.clip(np.floor(np.log2(LARGEST_SUM / np.maximum(most, 1e-9))) - 1, 1, _MOST_SHIFT).astype(np.int64)
     return np.floor(np.ldexp(factors, shifts) + 0.5).astype(np.int64), shifts

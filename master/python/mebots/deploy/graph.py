@@ -75,7 +75,7 @@ class Node:
     output: Tensor
     weight: np.ndarray = dataclasses.field(default_factory=no_values)
     bias: np.ndarray = dataclasses.field(default_factory=no_values)
-    weight_steps: np.ndarray | None = None  # scale of weights that the model stores as bytes: one for all, or one for each output channel
+    weight_steps: np.ndarray | None = None  # scale of weights that the model stores as bytes, for all or per output channel
     kernel: tuple[int, int] = (1, 1)
     strides: tuple[int, int] = (1, 1)
     pads: tuple[int, int, int, int] = (0, 0, 0, 0)  # top, left, bottom, right

@@ -44,7 +44,7 @@ class Layer:
 
     @property
     def macs(self) -> int:
-        """Returns the number of products of a weight and a value. Products with positions outside the input count, too."""
+        """Returns the number of multiplications, including those with positions outside the input."""
         if self.weight.size == 0:
             return 0
         return int(self.weight.size // self.weight.shape[0]) * self.output.size * self.pool**2

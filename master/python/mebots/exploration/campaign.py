@@ -157,7 +157,7 @@ class Campaign:
             take()
         for mission, (what, values) in tried.items():
             text, about = found[mission]["error"], found[mission].get("about", "")
-            if setting := _SETTING.match(text):  # the message must not refer to set(), because the value is in the study
+            if setting := _SETTING.match(text):  # removes "set()" from the text, because the value is in the study
                 about, text = setting[1], text[setting.end():]
             if text:
                 problems.setdefault(text, self._blamed(about, text, values) or what)

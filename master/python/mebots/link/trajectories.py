@@ -83,7 +83,7 @@ class Piece(NamedTuple):
 
     @staticmethod
     def unpack(data: bytes | bytearray) -> Piece:
-        """Returns the piece that ``PIECE_BYTES`` of an uploaded trajectory contain."""
+        """Returns the piece in ``PIECE_BYTES`` of an uploaded trajectory."""
         numbers = struct.unpack(f"<{4 * COEFFICIENTS + 1}f", data)
         x, y, z, yaw = (numbers[COEFFICIENTS * i : COEFFICIENTS * (i + 1)] for i in range(4))
         return Piece((x, y, z, yaw), numbers[-1])
