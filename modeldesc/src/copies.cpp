@@ -53,8 +53,10 @@ void read_copies(data::Object& object, Field& field, const Description& descript
   static const auto words = data::word_of<Copies>(
       {{"each", Copies::each}, {"shared", Copies::shared}, {"shared_by_many", Copies::shared_by_many}});
   if (!description.repeat) {
-    if (const auto member = object.node().find("copies"))
-      member->complain(ErrorCode::invalid_value, "this needs the key 'repeat' of the description");
+    for (const char* key : {"copies", "start_of_many"}) {
+      if (const auto member = object.node().find(key))
+        member->complain(ErrorCode::invalid_value, "this needs the key 'repeat' of the description");
+    }
     return;
   }
   Copies copies = Copies::each;
@@ -89,6 +91,7 @@ void make_copies(Description& description, std::size_t count) {
   repeat.count = count;
   for (Field& field : description.fields) {
     if (field.only_if_many && count == 1) field.fmi_names.clear();
+    if (count > 1 && !field.starts_of_many.empty()) field.starts = field.starts_of_many;
     if (field.name == repeat.size_source) {
       field.starts = {static_cast<std::int64_t>(count)};
       field.max = static_cast<double>(count);

@@ -165,7 +165,7 @@ class DescriptionReader {
     sound &= read_type(object, field);
     sound &= object.read("causality", field.causality, causality);
     object.allow({"variability", "unit", "start", "min", "max", "nominal", "depends_on", "first_depends_on",
-                  "mime_type", "on_demand", "copies"});
+                  "mime_type", "on_demand", "copies", "start_of_many"});
     object.finish();
     if (!sound) return;  // further checks could depend on wrong values
     node.attempt([&] { read_names(node, field); });
@@ -331,7 +331,7 @@ class DescriptionReader {
              "this key is for parameters and inputs: the model computes outputs, and a Binary starts as null");
       return;
     }
-    object.read("start", field.starts, [&](const Node& start) {
+    const auto starts = [&](const Node& start) {
       if (!start.is(data::Kind::list)) {
         return std::vector<Value>(field.fmi_names.size(), start_value(start, field));
       }
@@ -341,7 +341,9 @@ class DescriptionReader {
                    fmt::format("{} values for {} variables", elements.size(), field.fmi_names.size()));
       }
       return data::list_of([&](const Node& value) { return start_value(value, field); })(start);
-    });
+    };
+    object.read("start", field.starts, starts);
+    object.read_if("start_of_many", field.starts_of_many, starts);
   }
 
   Value start_value(const Node& node, const Field& field) const {

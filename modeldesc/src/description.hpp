@@ -50,7 +50,8 @@ struct Field {
   Causality causality = Causality::parameter;
   Variability variability = Variability::fixed;
   std::string unit;
-  std::vector<Value> starts;  // one per word of the group; empty if there are no start values
+  std::vector<Value> starts;          // one per word of the group; empty if there are no start values
+  std::vector<Value> starts_of_many;  // replace `starts` in an FMU of several copies; may be empty
   std::optional<double> min;
   std::optional<double> max;
   std::optional<double> nominal;

@@ -21,7 +21,7 @@ using testing::HasSubstr;
 constexpr const char* kWorld = R"("groups": {"axis": ["x", "y"], "rotor": ["rotor[1]", "rotor[2]"]},
   "arrays": {"axis": true, "rotor": true}, "repeat": {"drone": "drone.count"}, "variables": [
   {"name": "drone.count", "type": "Integer", "causality": "parameter", "start": 1, "min": 1, "copies": "shared_by_many", "text": "t"},
-  {"name": "gravity", "causality": "parameter", "unit": "m/s2", "start": 9.8, "copies": "shared", "text": "t"},
+  {"name": "gravity", "causality": "parameter", "unit": "m/s2", "start": 9.8, "start_of_many": 1.6, "copies": "shared", "text": "t"},
   {"name": "cell.mass", "causality": "input", "unit": "kg", "start": 0, "text": "t"},
   {"name": "{rotor}.thrust", "causality": "input", "unit": "N", "start": [1, 2], "text": "t"},
   {"name": "drone.mass", "causality": "output", "unit": "kg", "first_depends_on": ["cell.mass"], "text": "t"},
@@ -73,6 +73,15 @@ TEST_F(CopiesTest, SeveralCopiesHaveNumberedNames) {
                           "drone[1].rotor[1].thrust", "drone[1].rotor[2].thrust", "drone[2].rotor[1].thrust",
                           "drone[2].rotor[2].thrust", "drone[1].mass", "drone[2].mass", "drone[1].position.x",
                           "drone[1].position.y", "drone[2].position.x", "drone[2].position.y"));
+}
+
+TEST_F(CopiesTest, SeveralCopiesCanHaveAnotherStartValue) {
+  EXPECT_EQ(std::get<double>(to_model_description(read(kWorld, 1)).variables[0].start), 9.8);
+  EXPECT_EQ(std::get<double>(to_model_description(read(kWorld, 2)).variables[1].start), 1.6);
+  EXPECT_THAT(error_of(R"("variables": [{"name": "g", "causality": "parameter", "unit": "m/s2", "start": 1,
+                          "start_of_many": 2, "text": "t"}])",
+                       1),
+              HasSubstr("/variables/0/start_of_many: this needs the key 'repeat'"));
 }
 
 TEST_F(CopiesTest, EachCopyStartsWithTheValuesOfItsGroup) {
