@@ -16,7 +16,7 @@ inline constexpr std::int64_t kNanosecondsPerSecond = 1'000'000'000;
 /// The longest accepted time in seconds. In nanoseconds, it fits into 64 bits.
 inline constexpr double kLongestTimeS = 9.2e9;
 
-/// The largest denominator of a result of exact_time(double) that is not a whole number of nanoseconds.
+/// The largest denominator of a time that exact_time(double) returns, unless the time is a whole number of nanoseconds.
 inline constexpr std::int64_t kLargestDenominator = 1'000'000;
 
 /// The type of intermediate results in exact arithmetic.
@@ -47,8 +47,8 @@ std::optional<ExactTime> read_ratio(std::string_view text);
 
 ExactTime exact_time_of(std::int64_t time_ns);
 
-/// Converts a time from seconds to nanoseconds. Rounds a ratio that exact_time() has found. Throws InputError if
-/// exact_time() does not accept the time. The error contains `what`, the name of the time.
+/// Converts seconds to whole nanoseconds. Rounds a time such as 1/60 s, ties to even. If exact_time() does not accept
+/// the time, throws InputError. The error contains `what`, the name of the time.
 std::int64_t nanoseconds_of(double seconds, std::string_view what);
 /// Converts a duration like nanoseconds_of(). Throws InputError if the duration is not positive.
 std::int64_t duration_of(double seconds, std::string_view what);

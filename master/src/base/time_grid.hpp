@@ -13,7 +13,7 @@ namespace mebots::master {
 /// and to the step.
 class TimeGrid {
  public:
-  /// The minimum of steps that are not whole numbers of nanoseconds.
+  /// The minimum step in nanoseconds if the step is not a whole number of nanoseconds.
   static constexpr std::int64_t kShortestRatioNs = 10;
 
   /// Creates a grid with the start time 0 and a step of one nanosecond.
@@ -23,7 +23,7 @@ class TimeGrid {
 
   /// Returns the internal time of point k.
   std::int64_t time_ns(std::int64_t k) const { return is_whole_ ? start_ns_ + k * step_ns_ : rounded_ns(k); }
-  /// True if a point with k >= 0 has this internal time.
+  /// True if `time_ns` is the internal time of a communication point. Points before the start time do not count.
   bool is_point(std::int64_t time_ns) const;
   /// Returns the index k of the last communication point that is not after `time_ns`.
   std::int64_t point_at(std::int64_t time_ns) const;
@@ -31,8 +31,8 @@ class TimeGrid {
   /// Returns the time in seconds for an FMU: the double nearest to t_k if `time_ns` is the internal time of a point,
   /// otherwise the double nearest to `time_ns`.
   double time_s(std::int64_t time_ns) const { return is_whole_ ? to_seconds(time_ns) : exact_s(time_ns); }
-  /// Returns the double nearest to the duration in seconds. Both times must be points, or both must not be points.
-  /// Otherwise, returns the difference of their doubles.
+  /// Returns the double nearest to the duration in seconds. Exception: if the step is not a whole number of
+  /// nanoseconds, and only one of the two times is a communication point, returns time_s(to_ns) - time_s(from_ns).
   double length_s(std::int64_t from_ns, std::int64_t to_ns) const {
     return is_whole_ ? to_seconds(to_ns - from_ns) : exact_length_s(from_ns, to_ns);
   }

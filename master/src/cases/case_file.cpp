@@ -63,7 +63,8 @@ std::vector<Setting> read_parameters(const Node& node) {
   return settings;
 }
 
-/// Returns the time as the file contains it. The run adds a notice if it interprets a decimal number as a ratio.
+/// Checks a step, and returns it as the file contains it: a number, or a ratio such as "1/60" as a text. The run needs
+/// this form, because it adds a notice if it interprets a decimal number as a ratio.
 WrittenTime read_step(const Node& node) {
   static_cast<void>(config::step_time(node));
   if (node.is(data::Kind::text)) return node.text();

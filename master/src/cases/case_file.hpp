@@ -40,7 +40,7 @@ struct CaseDescription {
 
 struct CaseFile {
   std::filesystem::path folder = {};  ///< absolute path of the folder that contains the file
-  /// Name of the FMU, or its path relative to the folder. Empty if the file names no FMU.
+  /// Name of the FMU, or its path relative to `folder`. Empty if the file names no FMU.
   std::string fmu = {};
   std::vector<CaseDescription> cases = {};
 };

@@ -19,7 +19,7 @@ class ClockGroups {
   /// instance's process is killed. If `interrupted` is null, calls cannot be interrupted.
   ClockGroups(const ResolvedSystem& system, MessageSink& messages, const std::atomic<bool>* interrupted);
 
-  /// Creates the slave of an instance with ticking clocks. Must be called in the order of the config.
+  /// Creates the slave of an instance with ticking clocks. Must be called for the instances in the order of the config.
   std::unique_ptr<Slave> make_slave(std::size_t instance);
   /// Connects the members of each group. Must be called once, after the last make_slave().
   void connect();

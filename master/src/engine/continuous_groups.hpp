@@ -19,7 +19,7 @@ class ContinuousGroups {
   /// All arguments must outlive the slaves.
   ContinuousGroups(const ResolvedSystem& system, MessageSink& messages, const SlaveOptions& options);
 
-  /// Creates the slave of a model exchange instance. Must be called in the order of the config.
+  /// Creates the slave of a model exchange instance. Must be called for the instances in the order of the config.
   std::unique_ptr<Slave> make_slave(std::size_t instance);
   /// Connects the members of each group. Must be called after the last make_slave().
   void connect();

@@ -50,9 +50,10 @@ class CoupledInput {
   std::optional<std::int64_t> start_ns() const { return start_ns_; }
   /// Returns the approximation of the output from start_ns() to the latest output value.
   OutputCourse course() const;
-  /// Returns the integral of |input - output| over the step of the output's instance that ends at this time.
-  /// Approximates the output by a parabola and integrates by Simpson's rule. If the input's last step started at
-  /// another time, returns the difference at the end times the step's length.
+  /// Returns the integral of |input - output| over the step of the output's instance that ends at `time_ns`.
+  /// Approximates the output by a parabola and integrates by Simpson's rule. If the last step of the input's instance
+  /// started at another time than this step, returns |input - output| at `time_ns`, multiplied by the length of this
+  /// step.
   double deviation_integral(std::int64_t time_ns, const TimeGrid& grid) const;
 
   void visit(state::Visitor& v);
@@ -88,7 +89,7 @@ class PowerBond {
   /// Returns the energies of the step that ends at this point. Returns nullopt if no step of the two instances ends at
   /// this point.
   std::optional<Energy> energy(const Point& point, const TimeGrid& grid) const;
-  /// Stores the values at this point if a step of the two instances starts here.
+  /// Stores the outputs at this point if a step of the two instances starts here.
   void advance(const Point& point, const TimeGrid& grid);
 
   const BondDescription& description() const { return *description_; }

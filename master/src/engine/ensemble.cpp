@@ -140,7 +140,8 @@ Ensemble::Ensemble(const ResolvedSystem& system, MessageSink& messages, const Sl
   order_steps();
 }
 
-/// Calls `action` with each list of connected inputs.
+/// Calls `action` with each vector of `member` that has entries for connected inputs, such as references, values and
+/// copies.
 template <typename Action>
 void Ensemble::for_each_input_list(Member& member, Action action) {
   const auto bank_lists = [&](auto& bank) {
@@ -163,8 +164,8 @@ void Ensemble::for_each_input_list(Member& member, Action action) {
   action(member.range_checks);
 }
 
-/// Removes the connections inside continuous systems from the ends of the lists. After initialisation, the continuous
-/// systems transfer these values.
+/// Removes the connections inside continuous systems. Their entries are at the end of each vector of
+/// for_each_input_list(). After initialisation, the continuous systems transfer these values.
 void Ensemble::drop_inner_connections() {
   for (auto& member : members_) {
     auto size = member.outer_sizes.begin();
@@ -372,8 +373,8 @@ void Ensemble::order_steps() {
     if (readers_left[i] == 0) free.insert(free.end(), i);
   }
   while (!left.empty()) {
-    // In a ring of readers and owners, every instance waits for another one. Then any order is correct, because OSMP
-    // requires owners to keep two buffers.
+    // If instances read OSMP buffers of each other in a cycle, `free` is empty. Then any order is correct, because OSMP
+    // requires the owner of a buffer to keep two buffers.
     const auto next = free.empty() ? *left.begin() : *free.begin();
     free.erase(next);
     left.erase(next);
@@ -482,7 +483,7 @@ void Ensemble::initialize_slaves(std::int64_t stop_ns) {
 }
 
 void Ensemble::terminate() {
-  // Some FMUs write files in this call. Therefore terminates all slaves, even if one of them fails.
+  // Some FMUs write files when they are terminated. Therefore terminates all slaves, even if one of them fails.
   std::exception_ptr first;
   for (auto& member : members_) {
     try {

@@ -108,8 +108,8 @@ class Ensemble {
   std::vector<Banks> outputs() const;
   void bring_back(const std::vector<Banks>& outputs);
 
-  /// Returns the order of steps for the Jacobi algorithm. An instance that reads another instance's buffer steps before
-  /// the owner of the buffer.
+  /// Returns the order in which the Jacobi algorithm steps the instances. An instance that reads an OSMP buffer of
+  /// another instance steps before that instance.
   const std::vector<std::size_t>& step_order() const { return step_order_; }
 
   /// Saves or restores the latest outputs and inputs. An instance with a longer step keeps them between its steps.
@@ -196,13 +196,14 @@ class Ensemble {
 
   struct Member {
     std::unique_ptr<Slave> slave;
-    // Caches which banks contain values, and whether all inputs are unchanged copies of Reals. A check of these members
-    // is faster than a check of each list, because the lists of all instances do not fit into the cache.
+    // Stores which banks contain values, and whether all inputs are unchanged copies of Reals. Checking these three
+    // members is faster than checking each list, because the lists of all instances do not fit into the cache of the
+    // processor.
     KindSet output_kinds = 0;
     KindSet input_kinds = 0;
     bool takes_reals_as_they_are = false;
-    // True if derivatives are transferred. Then `earlier_reals` stores the previous outputs, because a line needs two
-    // values.
+    // True if derivatives of an output are transferred. Then `earlier_reals` stores the previous outputs, because the
+    // slope of an output is computed from its last two values.
     bool keeps_earlier = false;
     std::int64_t outputs_time_ns = 0;
     std::int64_t inputs_time_ns = 0;  // start of the step for which `inputs` were set

@@ -112,14 +112,14 @@ class SharedFollowers {
     const auto place = skip(place_of(from));
     return place == outputs_->size() ? kNone : (*outputs_)[place];
   }
-  /// Returns the first output on the path with a node number of at least `from`, or kNone.
+  /// Returns the first output on the current path of the search with a node number of at least `from`, or kNone.
   std::size_t open(std::size_t from) const {
     const auto found = open_.lower_bound(from);
     return found == open_.end() ? kNone : *found;
   }
   void enter(std::size_t output) {
     const auto place = place_of(output);
-    // Ignores an output with explicit dependencies, which is not in `outputs_`.
+    // Ignores an output that is not in `outputs_`, because it declares the inputs on which it depends.
     if (place == outputs_->size() || (*outputs_)[place] != output) return;
     next_[place] = place + 1;
     open_.insert(output);
@@ -139,7 +139,8 @@ class SharedFollowers {
   }
 
   const std::vector<std::size_t>* outputs_;
-  // Links each index to itself, or to a later index if the output was visited. The last entry marks the end.
+  // Links each element of `outputs_` to itself if it is unvisited, otherwise to a later element. The additional last
+  // entry marks the end.
   std::vector<std::size_t> next_;
   std::set<std::size_t> open_;
 };
@@ -152,8 +153,8 @@ class Search {
   }
 
   /// Calls back(from, to) for each edge that closes a loop. Within the call, path_from(to) returns the loop. Stops if
-  /// `back` returns false. After the first such edge of an input, skips the input's edges to outputs on the path that
-  /// depend on all inputs.
+  /// `back` returns false. Does not find all loops: after an input has closed one loop, skips its further loops through
+  /// outputs that depend on all inputs of the instance.
   template <typename Back>
   void run(Back back) {
     for (std::size_t start = 0; start < graph_.nodes.size(); ++start) {
@@ -205,8 +206,8 @@ class Search {
     path_.pop_back();
   }
 
-  /// Returns the next follower of the path's last node, or kNone after the last follower. Followers of an input are in
-  /// ascending order.
+  /// Returns the next node to which an edge leads from the last node of the path, or kNone if there are no more edges.
+  /// If the last node is an input, returns its followers in ascending order.
   std::size_t next() {
     auto& visit = path_.back();
     const auto& listed = graph_.followers[visit.node];

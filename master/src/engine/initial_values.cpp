@@ -116,7 +116,8 @@ bool InitialValues::sweep(int sweeps, bool hold_cuts) {
     Change change;
     for (const auto k : changed) read(k, change);
     if (i == 0 && held_.empty() && !cuts_.empty()) {
-      // Newton's method starts at the values of the cut inputs after the first read of all outputs.
+      // Newton's method varies the inputs that cut all loops. Their start values result from the first read of all
+      // outputs.
       for (const auto k : all) ensemble_.collect_inputs(k);
       held_ = cut_values();
     }
@@ -160,7 +161,7 @@ void InitialValues::write(std::size_t instance, bool hold_cuts) {
   ensemble_.hand_inputs(instance);
 }
 
-/// True if the value of a cut input exceeds kApart.
+/// True if an input that cuts a loop has a value with a magnitude above kApart.
 bool InitialValues::driven_apart() const {
   return std::ranges::any_of(cut_values(), [](double value) { return std::abs(value) > kApart; });
 }
@@ -171,8 +172,8 @@ std::vector<double> InitialValues::cut_values() const {
   return values;
 }
 
-/// Returns G(x) - x, where x are the values of the cut inputs. Returns nullopt if a value is NaN or infinite, or if the
-/// other values do not converge.
+/// Returns G(x) - x, where x are the values of the inputs that cut all loops. Returns nullopt if a value is NaN or
+/// infinite, or if the other values do not converge.
 std::optional<std::vector<double>> InitialValues::residual(const std::vector<double>& x) {
   held_ = x;
   try {

@@ -17,8 +17,8 @@ class InitialValues {
  public:
   explicit InitialValues(Ensemble& ensemble);
 
-  /// Propagates the values. Throws Error if the values do not converge; the text names the loop. Throws NotFiniteError
-  /// if a value is NaN or infinite.
+  /// Propagates the initial values along the connections until they no longer change. Throws Error if the values in a
+  /// loop do not converge; the text names the loop. Throws NotFiniteError if a value is NaN or infinite.
   void settle();
 
  private:

@@ -100,7 +100,8 @@ Fmu::~Fmu() {
 
 void Fmu::unload() {
   if (windows_library_) {
-    // A fatal status forbids further calls. The process of the library ends with this process.
+    // After a fatal status, the library must not be called, not even to unload it. Its process ends together with this
+    // process.
     if (corrupted_) static_cast<void>(windows_library_.release());
     windows_library_.reset();
     functions_ = {};

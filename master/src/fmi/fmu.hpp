@@ -91,10 +91,10 @@ class Fmu {
   /// Counts a freed instance. After the last one, returns the number of running threads that were started since the
   /// library was loaded; otherwise 0. May be called from any thread.
   std::size_t leave() { return --instances_ == 0 ? threads_left() : 0; }
-  /// Returns the imported functions that change the process, read from the files of the libraries.
+  /// Returns the imported functions that change process-wide data, read from the files of the libraries.
   const LibraryImports& imports();
-  /// Returns the reason why the FMU is not clean, if its libraries show a reason before the first instance; otherwise
-  /// nullopt.
+  /// Returns the reason why the FMU is not clean (see LibraryState) if it is known before the first instance exists: an
+  /// imported function, or a static object that owns memory. Otherwise, returns nullopt.
   std::optional<std::string> uncleanliness();
   /// True if an instance was ever created in this process.
   bool used() const { return watched_ != 0; }
@@ -103,7 +103,7 @@ class Fmu {
   std::optional<std::string> difference() const;
   /// Returns the reason why the FMU computes with data outside of its instances' states; nullopt if it does not.
   std::optional<std::string> state_elsewhere();
-  /// Sets the result of difference() or state_elsewhere() in the separate process of the FMU.
+  /// Sets the text that difference() returns. The text comes from the separate process in which the FMU runs.
   void set_difference_elsewhere(std::string text);
 
   /// Returns the floating-point environment that the library set while it was loaded; nullopt if it changed nothing.

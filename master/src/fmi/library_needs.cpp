@@ -18,8 +18,8 @@ namespace fs = std::filesystem;
 using modeldesc::ElfSymbol;
 using modeldesc::LoadedLibrary;
 
-/// The folders that ld.so(8) searches last, except those of /etc/ld.so.conf.d. A library in one of those is identified
-/// only by its name.
+/// The folders that ld.so(8) searches last. The folders of /etc/ld.so.conf.d are not included: a library in one of them
+/// is identified only by its name.
 constexpr const char* kSystemFolders[] = {"/lib/x86_64-linux-gnu",
                                           "/usr/lib/x86_64-linux-gnu",
                                           "/lib/aarch64-linux-gnu",

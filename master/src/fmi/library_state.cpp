@@ -27,7 +27,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// System libraries that are not examined. process_functions() contains all of their functions that change the process.
+/// System libraries that are not examined. process_functions() contains all of their functions that change process-wide
+/// data.
 constexpr auto kKnownLibraries = std::to_array<std::string_view>(
     {"libc.so.6", "libm.so.6", "libdl.so.2", "libpthread.so.0", "librt.so.1", "libgcc_s.so.1", "libstdc++.so.6",
      "ld-linux-x86-64.so.2", "ld-linux-aarch64.so.1"});
@@ -115,8 +116,9 @@ bool is_in(std::uintptr_t address, const std::vector<Range>& ranges) {
                              [address](const Range& range) { return address >= range.begin && address < range.end; });
 }
 
-/// True for a pointer to the memory that GCC's C++ library reserves for exceptions. This memory is a free block whose
-/// first word is its size. In the data of the library, the size also follows the pointer.
+/// True for a pointer to the memory that GCC's C++ library reserves for exceptions. In the data of the library, this
+/// pointer occurs twice, followed by the size of the memory. The memory is one free block, whose first word is also
+/// this size.
 bool is_exception_pool(std::span<const std::uintptr_t> words, std::size_t at) {
   const auto size_at = [&](std::size_t place) { return place < words.size() ? words[place] : 0; };
   // NOLINTNEXTLINE(performance-no-int-to-ptr): addresses of loaded libraries come as numbers
@@ -288,7 +290,7 @@ LibraryState::Object LibraryState::object_of(const dl_phdr_info& info) {
     const auto& header = info.dlpi_phdr[i];
     const auto begin = info.dlpi_addr + header.p_vaddr;
     if (header.p_type == PT_LOAD && (header.p_flags & PF_W) != 0) {
-      // The read-only part is at the start of the writable segment.
+      // The part that is read-only after relocation (see read_only_part()) is at the start of the writable segment.
       const auto skipped = fixed == begin ? std::min<std::size_t>(fixed_size, header.p_memsz) : 0;
       object.segments.push_back(memory_at(begin + skipped, header.p_memsz - skipped));
     }

@@ -20,7 +20,7 @@
 
 namespace mebots::master {
 
-/// The functions that a list of libraries imports and that change the process. They are read from ELF files.
+/// The functions that change process-wide data and that a list of libraries imports. They are read from ELF files.
 struct LibraryImports {
   std::vector<const ProcessFunction*> functions;
   std::vector<std::string> unknown;  ///< names of needed libraries that are not in the FMU and not known to mebots
@@ -28,7 +28,7 @@ struct LibraryImports {
   ProcessReach reach = ProcessReach::nothing;
 
   /// Describes the imported functions, such as "it imports srand(), which changes random numbers"; nullopt if they do
-  /// not change the process.
+  /// not change process-wide data.
   std::optional<std::string> reason() const;
 };
 
@@ -46,9 +46,9 @@ std::vector<std::filesystem::path> libraries_of(const std::filesystem::path& fol
 /// A copy of the memory of an FMU's libraries directly after loading. It contains all writable segments, and the
 /// thread-local variables of the calling thread.
 ///
-/// An FMU is clean if three conditions are met. Its libraries import no function that changes the process. Its static
-/// objects own no heap memory. After all instances were freed, the memory of its libraries is the same as directly
-/// after loading. A run after clean FMUs starts like a run in a new process.
+/// An FMU is clean if three conditions are met. Its libraries import no function that changes process-wide data. Its
+/// static objects own no heap memory. After all instances were freed, the memory of its libraries is the same as
+/// directly after loading. A run after clean FMUs starts like a run in a new process.
 class LibraryState {
  public:
   /// Copies the memory of all loaded libraries in `folder`.
@@ -157,9 +157,9 @@ struct Admission {
 
 enum class Risk { refuse, accept };
 
-/// Loads an FMU's library into this process. Does not load it if it would share libraries or symbols with the program
-/// or with other FMUs. The ELF files and the libraries of this process determine this. If `risk` is Risk::accept, loads
-/// the library unless the sharing is certain (Admission::certain). Throws InputError if the library cannot be loaded at
+/// Loads an FMU's library into this process, unless it would share libraries or symbols with the program or with other
+/// FMUs. Compares the ELF files of the FMU with the libraries of this process. If `risk` is Risk::accept, loads the
+/// library unless the sharing is certain (Admission::certain). Throws InputError if the library cannot be loaded at
 /// all. May be called from any thread.
 Admission load_into_this_process(const std::shared_ptr<Fmu>& fmu, Risk risk);
 

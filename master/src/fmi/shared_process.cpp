@@ -56,8 +56,8 @@ std::string readable(const std::string& symbol) {
   return name ? std::string(name.get()) : symbol;
 }
 
-/// True if two definitions of a unique symbol conflict. The loader keeps only the first one. This is harmless only for
-/// constants with equal bytes.
+/// True if two definitions of a unique symbol (STB_GNU_UNIQUE) conflict. The loader uses only the first definition in
+/// the whole process. This is harmless only if both are constants with equal bytes.
 bool collide(const ElfSymbol& one, const ElfSymbol& other) {
   return one.name == other.name && (one.constant.empty() || one.constant != other.constant);
 }

@@ -40,7 +40,7 @@ struct Paths {
   std::vector<std::filesystem::path> paths;
 };
 
-/// Returns the paths of earlier folders that can be used again.
+/// Returns the paths that UnpackFolder::release_path() has stored for later folders of this process.
 Paths& free_paths() {
   static Paths& all = *new Paths;  // never destroyed, because an FMU may be closed at the end of the process
   return all;

@@ -273,8 +273,8 @@ static_assert(SignatureOf<decltype(&fmi3GetOutputDerivatives)>::length_of(3) == 
 static_assert(SignatureOf<decltype(&fmi3GetIntervalFraction)>::length_of(3) == 2);
 static_assert(SignatureOf<decltype(&fmi3DoStep)>::length_of(4) < 0);
 
-/// The index of the argument with the location of the resources. Only the functions that create an instance have it,
-/// which are recognised by their argument types.
+/// The index of the argument with the location of the resources; the number of arguments if there is no such argument.
+/// Only functions that create an instance have this argument. The types of their callbacks identify them.
 template <typename... Arguments>
 constexpr std::size_t kPlaceArgument = (std::is_same_v<Arguments, const fmi2CallbackFunctions*> || ...) ? 3
                                        : (std::is_same_v<Arguments, fmi3LogMessageCallback> || ...)     ? 2
@@ -293,7 +293,8 @@ class Sender {
   void put(Writer& writer, std::index_sequence<i...> /*all*/) const {
     (put_one<i>(writer), ...);
   }
-  /// Stores the outputs of a call. `kept` owns the returned texts and bytes until the next call of the function.
+  /// Copies the outputs of a call to the arrays of the caller. `kept` owns the returned texts and bytes until the next
+  /// call of the same function.
   template <std::size_t... i>
   void take(Reader& reader, std::array<Slot, sizeof...(Arguments)>& kept, std::index_sequence<i...> /*all*/) const {
     (take_one<i>(reader, kept), ...);
@@ -411,7 +412,8 @@ struct Stub<member, Result (*Table::*)(Arguments...)> {
   }
 };
 
-/// Returns a table of stubs. `exported` contains '\1' for each function that the library exports.
+/// Returns a table of functions that forward their calls to the process of the library. `exported` contains '\1' for
+/// each function that the library exports; all other functions in the table are null.
 template <typename Table, typename ForEach>
 Table make_table(ForEach for_each_function, std::string_view exported) {
   Table table;

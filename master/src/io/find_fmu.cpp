@@ -22,8 +22,8 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view kSuffix = ".fmu";
 
-// The number of problems with a full search for the FMU and for similar names. These searches are slow, and messages
-// show no more problems.
+// After this number of FMUs that cannot be found, neither the folders nor similar names are searched for further ones.
+// These searches are slow, and messages show no more problems.
 constexpr std::size_t kFullyAnswered = 20;
 
 void append_search_path(std::string_view search_path, std::vector<fs::path>& folders) {

@@ -44,7 +44,7 @@ class FmuSearch {
   std::filesystem::path beside_;
   std::map<std::string, Answer, std::less<>> answers_;
   std::size_t problems_ = 0;
-  // Folders for names; empty until the first search by name.
+  // The folders in which an FMU is searched by name (see fmu_folders()). Empty until the first such search.
   std::optional<std::vector<std::filesystem::path>> folders_;
   std::string listed_;              // folders_ as text for an error; empty until the first error
   std::vector<std::string> names_;  // sorted names of all FMUs in folders_; empty until the first error

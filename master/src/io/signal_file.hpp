@@ -28,9 +28,9 @@ struct WantedSignal {
 /// Continuous Reals are interpolated between rows. Other values are constant until the next row.
 class SignalFile {
  public:
-  /// Reads the header of the file. Errors contain `name`. If `time_column` is empty, uses the column `time` or `t`, in
-  /// upper or lower case. Times are in seconds if the title contains no other unit. Throws InputError if the header is
-  /// invalid.
+  /// Reads the header of the file. Errors contain `name`. `time_column` is the title of the column of times. If it is
+  /// empty, uses the column `time` or `t`, in upper or lower case. Times are in seconds unless this title contains
+  /// another unit. Throws InputError if the header is invalid.
   SignalFile(const std::filesystem::path& file, std::string name, const std::string& time_column);
   SignalFile(const SignalFile&) = delete;
   SignalFile& operator=(const SignalFile&) = delete;

@@ -52,8 +52,8 @@ struct ValuePair {
 struct ResolvedConnection {
   ResolvedVariable from;
   ResolvedVariable to;
-  /// True for one of the three Integers of an OSMP binary. Its pointer is valid only in this process and for a limited
-  /// time.
+  /// True if the connection transfers one of the three Integers of an OSMP binary. The pointer in them is valid only in
+  /// this process and for a limited time.
   bool pointer = false;
   double factor = 1;
   double offset = 0;
@@ -176,8 +176,8 @@ modeldesc::Value typed_value(const modeldesc::ModelDescription& description, con
 /// UInt64 are interpreted as unsigned. A Binary becomes hexadecimal digits, two for each byte.
 std::string value_text(modeldesc::Type type, const modeldesc::Value& value);
 
-/// Returns the variables that are recorded in every row, in the order of instances and descriptions. Throws InputError
-/// if a pattern matches no variable.
+/// Returns the variables that are recorded in every row, in the order of the instances in the config and of the
+/// variables in modelDescription.xml. Throws InputError if a pattern matches no variable.
 std::vector<ResolvedVariable> recorded_variables(const ResolvedSystem& system);
 
 /// Returns the variables that are recorded once, at t = 0: parameters of all kinds, and constants. Throws InputError if

@@ -30,7 +30,8 @@ struct End {
 /// Describes an instance that failed while the run continued.
 struct InstanceLoss {
   std::string name;
-  /// Start of the step in which the instance failed, or the communication point.
+  /// The start of the failed step or, if another call failed, the communication point. Nullopt if the instance has not
+  /// failed.
   std::optional<std::int64_t> at_ns = {};
   std::string text;
 };

@@ -58,8 +58,8 @@ class Signal {
   /// Returns the value at a time. `near` must be 0 in the first call and must be reused in later calls. It stores the
   /// row from which the next search starts.
   Value at(const SignalTime& time, SignalSide side, std::size_t& near) const;
-  /// Returns the mean slope from the value after a jump at `from` to the value before a jump at `to`. If `linear` is
-  /// false, returns 0.
+  /// Returns the mean slope of the signal between two times. If the signal jumps at `from`, uses the value after the
+  /// jump; if it jumps at `to`, the value before the jump. If `linear` is false, returns 0.
   double slope(const SignalTime& from, const SignalTime& to, std::size_t& near) const;
 
  private:

@@ -81,7 +81,7 @@ struct OsmpTriple {
 
 std::vector<OsmpTriple> osmp_triples(const modeldesc::ModelDescription& description);
 
-/// Returns the positions of the triple's three references in `references`; nullopt if one of them is missing.
+/// Returns the positions of the three value references of `triple` in `references`; nullopt if one of them is missing.
 std::optional<std::array<std::size_t, 3>> places_of(const OsmpTriple& triple,
                                                     std::span<const ValueReference> references);
 

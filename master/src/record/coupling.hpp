@@ -52,7 +52,7 @@ class InputDeviation {
 /// Measures the energy that the coupling of a power bond creates.
 class BondEnergy {
  public:
-  /// Throws InputError as PowerBond does.
+  /// Throws InputError if the bond is invalid (see PowerBond).
   BondEnergy(const ResolvedSystem& system, Ensemble& ensemble, const BondDescription& description)
       : bond_(system, ensemble, description) {}
 
@@ -84,8 +84,8 @@ class Coupling final : public Observer {
   void visit(state::Visitor& v) override;
   std::string_view state_name() const override { return "coupling"; }
 
-  /// Returns a text for each limit that the run exceeded. The text suggests a step that meets the limit, or a setting
-  /// of step control.
+  /// Returns a text for each limit in the section `coupling` that the run exceeded. The text suggests a step that meets
+  /// the limit, or a setting of step control.
   std::vector<std::string> warnings() const;
   nlohmann::ordered_json json() const;
 

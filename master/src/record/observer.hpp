@@ -26,8 +26,8 @@ class Observer {
 
   /// Visits the state that a resumed run needs.
   virtual void visit(state::Visitor& /*v*/) {}
-  /// Returns the name of the saved state. Returns an empty name if the observer has no state; a resumed run may lack
-  /// such an observer.
+  /// Returns the name of the observer's state in a checkpoint; an empty name if the observer has no state. An observer
+  /// without a state may be missing in the run that resumes from the checkpoint.
   virtual std::string_view state_name() const { return {}; }
 };
 

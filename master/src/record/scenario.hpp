@@ -21,7 +21,7 @@ namespace mebots::master {
 /// and outputs from the next one.
 class Scenario final : public Observer {
  public:
-  /// Throws InputError as OverrideSchedule does.
+  /// Throws InputError if an override is invalid (see OverrideSchedule).
   explicit Scenario(const ResolvedSystem& system);
 
   /// Looks up the variables in the conditions. Must be called before the ensemble is initialised.

@@ -10,7 +10,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// The blocks of bytes after the header.
+/// The blocks of bytes that follow the header in payload_of().
 class Blocks {
  public:
   Json add(std::string_view bytes) {

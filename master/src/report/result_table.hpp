@@ -33,7 +33,8 @@ struct ResultTable {
 
   /// Maximum number of values in a page. A larger page would be too large for mail.
   static constexpr std::size_t kMostValues = 600'000;
-  /// Returns the number of consecutive rows that must be reduced to two. `columns` includes the time.
+  /// Returns the number of consecutive rows that a Thinner must reduce to two, so that at most about kMostValues values
+  /// remain; 1 if the table is small enough. `columns` includes the time.
   static std::size_t span_of(std::size_t rows, std::size_t columns);
 };
 
@@ -48,13 +49,14 @@ ResultTable read_results(const std::filesystem::path& file, const std::vector<Ti
 /// occurrence. Monotonic columns, such as energy counters, therefore keep exact values at both times.
 class Thinner {
  public:
-  /// If `span` is 1, keeps every row. The first column must be the time.
+  /// Every `span` consecutive rows become two rows. If `span` is 1, all rows are kept. The first column must be the
+  /// time.
   Thinner(std::size_t columns, std::size_t span);
 
   void add(std::span<const double> row);
-  /// Completes the current span, then adds a row without reduction.
+  /// Reduces the rows that add() has received since the last complete span. After that, adds this row unchanged.
   void keep(std::span<const double> row);
-  /// Completes the last span. Must be called after the last row.
+  /// Reduces the rows that add() has received since the last complete span. Must be called after the last row.
   void finish();
 
   std::vector<std::vector<double>>& values() { return values_; }

@@ -60,8 +60,8 @@ PictureSeries read_series(const fs::path& folder, std::size_t known) {
   return series;
 }
 
-/// Reads the profiles of chip programs in the folder. They exist if a parameter `profile` of fmu_soc names a file in
-/// this folder.
+/// Reads the profiles of chip programs in the folder. fmu_soc writes a profile if its parameter `profile` names a file
+/// in this folder.
 std::vector<Json> read_profiles(const fs::path& folder) {
   std::vector<Json> profiles;
   for (const auto& file : sorted_entries(folder)) {

@@ -160,8 +160,8 @@ class ConnectionCheck {
     }
   }
 
-  /// True if the input's type includes all values of the output's type. A number may still not be an item of an
-  /// enumeration. Ensemble checks this at every step.
+  /// True if the input's type includes all values of the output's type. If the input is an Enumeration, a value may
+  /// still not be the number of an item. Ensemble checks this at every step.
   bool widens() const {
     const bool from_whole = fmi::is_whole(from_.type) || from_.type == Type::boolean;
     if (fmi::is_float(to_.type)) {
@@ -173,8 +173,9 @@ class ConnectionCheck {
     return is_within(range_of(model(connection_.from), from_), fmi::limits_of(to_.type));
   }
 
-  /// True if `narrow` can permit this connection. Each value must then be checked, which is not possible for clocked
-  /// variables and for connections of two model exchange instances.
+  /// True if `"narrow": true` in the config permits this connection although the input's type does not include all
+  /// values of the output's type. Each value must then be checked, which is not possible for clocked variables and for
+  /// connections of two model exchange instances.
   bool can_narrow() const {
     if (connection_.pointer || is_clocked(from_) || is_clocked(to_)) return false;
     if (kind(connection_.from) == FmuKind::model_exchange && kind(connection_.to) == FmuKind::model_exchange) {

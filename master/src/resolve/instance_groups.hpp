@@ -27,7 +27,7 @@ class InstanceGroups {
   std::vector<std::size_t> leaders_;  // for each instance: an earlier instance of its group, or the instance itself
 };
 
-/// Throws InputError for the value of an instance's key.
+/// Throws InputError about the key `key` of an instance in the config. `what` is the text of the error.
 [[noreturn]] void refuse_key(const ResolvedSystem& system, std::size_t instance, std::string_view key,
                              const std::string& what);
 
@@ -37,8 +37,8 @@ struct GroupWords {
   std::string_view group;   ///< such as "continuous system"
 };
 
-/// Throws InputError if the members of a group cannot step together: if their steps differ, if a member divides
-/// discarded steps, or if one of several members may fail while the run continues.
+/// Throws InputError if the members of a group cannot step together: if their steps differ, if a member repeats
+/// discarded steps in shorter parts, or if one of several members may fail while the run continues.
 void check_members(const ResolvedSystem& system, const std::vector<std::size_t>& members, const GroupWords& words);
 
 }  // namespace mebots::master

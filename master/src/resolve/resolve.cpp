@@ -107,8 +107,8 @@ void note_archives(ResolvedSystem& system) {
   }
 }
 
-/// Throws InputError if the FMU cannot divide discarded steps. It must be able to restore its state and to take steps
-/// of any length.
+/// Throws InputError if the config requires that discarded steps are repeated in shorter parts (`on_discard`), but the
+/// FMU does not support this. The FMU must be able to restore its state and to take steps of any length.
 void check_division(const ResolvedInstance& instance) {
   if (!instance.description->divide_discarded || instance.kind == FmuKind::model_exchange) return;
   const auto& flags = *instance.model->co_simulation;

@@ -30,8 +30,9 @@ void with_place_of_fmu(const InstanceDescription& instance, const std::function<
 modeldesc::StructuralValues structural_values(const InstanceDescription& instance,
                                               const modeldesc::ModelDescription& description);
 
-/// Returns the scalar with this name, or the array of the element with this name; null if no variable has this name. If
-/// structural parameters determine the size of the array, the element need not exist.
+/// Returns the scalar with this name or, for the name of an array element such as `a[2]`, the array; null if there is
+/// no such variable. If structural parameters determine the size of the array, the element may be missing at the
+/// current size.
 const modeldesc::Variable* variable_of_setting(const modeldesc::ModelDescription& description, std::string_view name);
 
 /// Checks the name, type and limits of a setting before the sizes of arrays are known. resolve() later checks whether

@@ -24,7 +24,8 @@ class SignalCoverage {
 
  private:
   struct Changes {
-    // Number of jumps and of changes of non-interpolated values that take effect only at the next communication point.
+    // Number of changes of a signal that take effect only at the next communication point: its jumps and, if it is not
+    // interpolated, all changes.
     std::size_t late = 0;
     std::size_t skipped = 0;
     std::size_t rows = 0;

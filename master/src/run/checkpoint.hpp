@@ -69,7 +69,8 @@ void check_inputs(const std::string& inputs_then, const std::string& inputs_now,
 /// no checkpoint at the end of the run, because a resumed run would step past the end.
 class Checkpointer final : public Observer {
  public:
-  /// `blank` must contain all members that do not change during the run. All other arguments must outlive this object.
+  /// `blank` must contain all members that do not change during the run, such as the config and the options. All other
+  /// arguments must outlive this object.
   Checkpointer(Simulation& simulation, std::filesystem::path folder, Checkpoint blank, OutputFile& results,
                OutputFile& log);
 

@@ -28,8 +28,9 @@ void require_whole_states(const ResolvedSystem& system, std::string_view what);
 /// run import functions that change such data, resets the data or rejects the run.
 class ProcessUse {
  public:
-  /// Resets the data that FMUs of the run may change. Throws InputError, which names the FMU and the function, if
-  /// another run uses the same data, or if an earlier run may have changed data that cannot be reset.
+  /// Resets the data of the C library that FMUs of the run may change, if they can be reset. Throws InputError, which
+  /// names the FMU and the function, if another current run may change the same data, or if an earlier run may have
+  /// changed data that cannot be reset.
   explicit ProcessUse(const ResolvedSystem& system);
   ~ProcessUse();
   ProcessUse(const ProcessUse&) = delete;

@@ -23,8 +23,8 @@ double unit_draw(std::int64_t seed, std::string_view name, std::int64_t index);
 /// Returns the parameters "instance.calibration.*" that the config does not set. A draw sets them to random values. A
 /// value from -1 to 1 is a position within the interval that a data file states for a quantity.
 std::vector<std::string> calibration_parameters(const ResolvedSystem& system);
-/// Opens the FMUs of a config and returns the parameters that a draw sets. Throws InputError if the config or an FMU is
-/// invalid.
+/// Opens the FMUs of a config and returns their calibration parameters, like the function above. Throws InputError if
+/// the config or an FMU is invalid.
 std::vector<std::string> calibration_parameters(const std::filesystem::path& config);
 
 /// Repeats a run with random values of its calibration parameters. Each repetition is a drawn run.

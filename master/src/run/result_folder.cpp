@@ -96,7 +96,8 @@ std::string owner_of(int descriptor) {
   return size > 0 ? std::string(text.data(), static_cast<std::size_t>(size)) : "unknown";
 }
 
-/// True if no process has this number. After a run is killed, its child process may hold the lock for a moment.
+/// True if no process has the number `owner`. The lock of a killed run may remain for a moment, because its child
+/// process also holds it.
 bool is_gone(const std::string& owner) {
   pid_t number = 0;
   const auto* const end = owner.data() + owner.size();
@@ -131,7 +132,8 @@ FolderLock::FolderLock(const std::filesystem::path& folder) : file_(folder / ".m
     if (is_still(file_, descriptor_)) break;
     ::close(descriptor_);
   }
-  // Writes the process number for the error of a second run. If this fails, the lock is still valid.
+  // Stores the process number in the locked file. If another run tries to lock the folder, its error contains this
+  // number. If writing fails, the lock is still valid.
   const auto own = std::to_string(::getpid());
   static_cast<void>(::ftruncate(descriptor_, 0) == 0 && ::pwrite(descriptor_, own.data(), own.size(), 0) > 0);
 }

@@ -41,7 +41,7 @@ class ResultFolder {
   /// Creates a file that keep() renames to `name`. The reference is valid as long as this object exists. Throws
   /// InputError if the file cannot be created.
   OutputFile& create(std::string_view name);
-  /// Returns a path for a new file of another component. keep() renames this file to `name`.
+  /// Returns a path at which the caller creates a new file. keep() renames this file to `name`.
   std::filesystem::path reserve(std::string_view name);
   /// Opens a file of an earlier run for appending. Throws InputError if this fails.
   OutputFile& reopen(std::string_view name);

@@ -280,8 +280,8 @@ std::vector<std::byte> Run::save_state() {
     memory_->visit_rows(saver);
     saved.rows = writer.take();
   });
-  require_whole_states(resolved_, "save_state()");  // checked again, because instances in other processes report this
-                                                    // together with their states
+  // Checked again, because an FMU in another process reports data outside its instances only with its state.
+  require_whole_states(resolved_, "save_state()");
   return to_bytes(saved);
 }
 
@@ -455,7 +455,6 @@ void Run::note_slaves(Ensemble& ensemble) {
 /// Steps until `until_ns`. Checks the state of the process after steps 1, 2, 4, 8 ... and at the end. Every 64 steps,
 /// checks the signal mask, because a changed mask could block interrupts.
 void Run::step_until(std::int64_t until_ns) {
-  // Checks the process only after some steps, because a check takes longer than a step.
   std::optional<ProcessWatch> watch;
   if (!has_foreign_ && until_ns > next_point_ns()) watch.emplace(resolved_, messages_);
   auto seen_ns = time_ns();
@@ -554,7 +553,7 @@ void Run::finish() {
   try {
     simulation_->terminate();
   } catch (const Error& error) {
-    // After an interrupted call of an instance, the text of the end already contains this error.
+    // If an interrupt stopped a call to an instance, `end.text` already contains this error.
     if (end.reason != EndReason::interrupted) {
       report_.notices.push_back(fmt::format("error after the end of the run: {}", error.what()));
       say(Severity::warning, "notice", report_.notices.back());

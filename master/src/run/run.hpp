@@ -68,8 +68,8 @@ class Run {
   /// Adds a listener for messages of FMUs and of the run.
   void listen(MessageHub::Listener listener);
   /// Sets a parameter or start value, or all variables that match a pattern (* and ?). Opens the FMUs and checks name,
-  /// type and range. If other settings can change the size of an array, start() checks whether the element exists.
-  /// After a change of a size, earlier patterns also match the new elements.
+  /// type and range. If other settings can change the size of an array, start() checks whether a named array element
+  /// exists. After a change of a size, the patterns of earlier calls also match the new elements.
   void set(const Setting& written);
   /// Appends the overrides of a scenario file.
   void add_scenario(const std::filesystem::path& file);
@@ -117,11 +117,13 @@ class Run {
   /// Returns the state between two steps for start_from(). Throws InputError if the run has ended or writes files.
   /// Throws Error if an FMU cannot serialize its state.
   std::vector<std::byte> save_state();
-  /// Calls `work`, which may read variables. Observers of add() must use this function to read variables.
+  /// Calls `work`, which may read variables. An observer that was passed to add() must use this function to read
+  /// variables.
   void at_point(const std::function<void()>& work);
   /// True if the run started with start_from().
   bool began_later() const { return past_.has_value(); }
-  /// True during a call that steps, also in listeners of such a call.
+  /// True while a function that runs the simulation, saves its state or frees the FMUs is executing, also in the
+  /// listeners that it calls.
   bool busy() const { return busy_; }
 
   // The following functions may be called at any time.

@@ -83,7 +83,8 @@ bool has_sizes(const SystemDescription& system, FmuLibrary& library) {
   });
 }
 
-/// Returns one setting for each variable that matches the name. Returns a name without `*` and `?` unchecked.
+/// If the name is a pattern, returns one setting for each variable that matches. Otherwise, returns the setting and
+/// does not check the name.
 std::vector<Setting> single_settings(const SystemDescription& system, FmuLibrary& library, const Setting& setting) {
   if (!is_pattern(setting.variable)) return {setting};
   std::vector<Setting> settings;

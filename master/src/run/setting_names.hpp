@@ -11,8 +11,8 @@
 /// Finds the variables that a setting names: one variable, or all that match a pattern (* and ?).
 namespace mebots::master {
 
-/// Returns the variable with this name. If it does not exist, returns the variables that match the name as a pattern.
-/// The order is that of instances and descriptions. Opens the FMUs.
+/// Returns `name` if it is the name of a variable. Otherwise, returns all variables that match `name` as a pattern, in
+/// the order of the instances in the config and of the variables in modelDescription.xml. Opens the FMUs.
 std::vector<std::string> matching_variables(const SystemDescription& system, FmuLibrary& library,
                                             const std::string& name);
 

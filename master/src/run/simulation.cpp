@@ -124,7 +124,7 @@ void Simulation::restore_state(const SimulationState& state) {
   ended_ = false;
   end_ = {};
   state::restore(*this, state.master);
-  // Saved states contain no buffer addresses, so outputs are read again.
+  // Saved states contain no addresses of OSMP buffers, so outputs are read again.
   for (std::size_t i = 0; i < ensemble_.size(); ++i) slaves_.read_outputs(i, step_);
 }
 

@@ -28,8 +28,8 @@ void put_unless_empty(Json& object, const char* key, const std::string& text) {
   if (!text.empty()) object[key] = text;
 }
 
-/// Returns the member `text` of a config. If the config has none, returns that of the extended config, which follows it
-/// in `source`. Returns an empty text for an SSP.
+/// `source` contains the config, followed by the configs that it extends. Returns the `text` of the first of them that
+/// has one. Returns an empty text for an SSP.
 std::string text_for_people(const std::string& source) {
   std::istringstream stream(source);
   try {

@@ -129,8 +129,8 @@ OverriddenSlave::Value OverriddenSlave::apply(Target& target, const Value& value
       continue;
     }
     target.acted = true;
-    // Stores the value without this override at its first communication point. If several values are set at this point,
-    // stores the last one.
+    // When the override starts, stores the value that the variable would have without it. If several values are set at
+    // this communication point, stores the last one.
     if (!layer.found_at_ns || layer.found_at_ns == time_ns_) {
       layer.found_at_ns = time_ns_;
       layer.found = result;
@@ -213,8 +213,8 @@ void OverriddenSlave::set_free_inputs() {
   pass_batch(ValueKind::binary, binaries_);
 }
 
-/// Sets the slopes of signals as derivatives if the FMU uses derivatives of its inputs. The slope 0 ends a previous
-/// slope.
+/// If an input follows a signal file and the FMU uses derivatives of its inputs, passes the slope of the signal as a
+/// derivative. A slope of 0 replaces an earlier slope.
 void OverriddenSlave::set_slopes() {
   if (!inner().takes_input_derivatives()) return;
   std::vector<std::int32_t> orders;
@@ -238,7 +238,8 @@ StepResult OverriddenSlave::step(std::int64_t start_ns, std::int64_t duration_ns
   return result;
 }
 
-/// Returns the time derivative of order `order`, from 1, after one override.
+/// Returns the time derivative of a variable after one override. `derivative` is the derivative without this override.
+/// Both have the order `order` (1 or higher).
 double OverriddenSlave::apply(Layer& layer, std::int32_t order, double derivative, std::int64_t since_ns) {
   const auto& override = schedule_->overrides()[layer.override];
   const auto& description = *override.description;

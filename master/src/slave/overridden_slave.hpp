@@ -65,8 +65,8 @@ class OverriddenSlave final : public AccessSlave {
     Value base;           // value of the input without overrides
     bool fresh = false;   // true if a value was set since the last step
     bool sloped = false;  // true if a signal provides the derivative; not part of the state
-    // True if the source also provides derivatives. They are then set together with those of the signal. Not part of
-    // the state.
+    // True if the connected output also provides derivatives. set_input_derivatives() then passes the slope of the
+    // signal together with them. Not part of the state.
     bool connected = false;
     bool acted = false;  // true if the value in the wrapped slave differs from `base`
 

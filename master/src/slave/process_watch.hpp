@@ -21,8 +21,8 @@ class ProcessWatch {
   /// part of the state. Both arguments must outlive this object.
   ProcessWatch(const ResolvedSystem& system, MessageSink& messages);
 
-  /// Compares the process with the stored state. Reports and reverts changes. The message contains `during` after the
-  /// words "changed the whole process".
+  /// Compares the state of the process with the stored state. Reports and reverts changes. The message contains
+  /// `during` after the words "changed the whole process".
   void look(const std::string& during, std::int64_t time_ns);
   /// True if the signal mask of the calling thread has changed. Needs one system call.
   bool is_mask_changed() const { return before_ && before_->is_mask_changed(); }

@@ -257,7 +257,8 @@ void ContinuousSystem::count_solver_work() {
   counted_ = now;
 }
 
-/// Sets the members to the end of the solver step. Returns the kind of event at this time.
+/// Sets the time and states of the members to those at the end of the solver step. Returns the kind of event at this
+/// time.
 ContinuousSystem::EventKind ContinuousSystem::complete_step() {
   step_is_open_ = false;
   time_s_ = step_end_s_;
@@ -389,7 +390,8 @@ void ContinuousSystem::iterate_event() {
                   subject(), kMostUpdates, causes()));
 }
 
-/// Activates the clocks that are due, and propagates ticks and values until nothing changes.
+/// Activates the clocks whose next tick is scheduled for the current time, and propagates ticks and values until
+/// nothing changes.
 void ContinuousSystem::tick_clocks() {
   if (parts_.clocks == nullptr) return;
   bool changed = parts_.clocks->begin_instant(time_s_);
@@ -424,7 +426,7 @@ bool ContinuousSystem::update_members() {
   return (parts_.clocks != nullptr && schedule_tick()) || again;
 }
 
-/// Makes the next clock tick a time event. Returns true if the tick is due now.
+/// Makes the solver stop at the next tick of a clock. Returns true if the tick is due now.
 bool ContinuousSystem::schedule_tick() {
   const auto tick = parts_.clocks->next_tick();
   const double tick_s = on_grid(tick.time_s);

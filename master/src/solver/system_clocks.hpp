@@ -21,7 +21,7 @@ class SystemClocks {
     std::size_t member = 0;
   };
   virtual Tick next_tick() const = 0;
-  /// Activates the clocks that are due. Returns true if a clock was due.
+  /// Activates the clocks whose next tick is scheduled for `time_s`. Returns true if there is such a clock.
   virtual bool begin_instant(double time_s) = 0;
   /// Propagates ticks and values of clocked variables along the connections until nothing changes. Returns true if
   /// another clock ticked or an input changed.

@@ -28,7 +28,7 @@ bool is_close(double a, double b) {
 
 }  // namespace
 
-/// Sorts wires into stages.
+/// Determines the stages in which outputs are read and inputs are set.
 class Wiring::Builder {
  public:
   Builder(Wiring& wiring, const std::vector<Wire>& wires) : wiring_(wiring) {
@@ -81,8 +81,8 @@ class Wiring::Builder {
     return outputs;
   }
 
-  /// Returns the stage that reads `outputs`, which must be in ascending order. The stage then sets all inputs whose
-  /// sources have been read.
+  /// Returns a stage that reads `outputs`, which must be in ascending order. After that, the stage sets all inputs for
+  /// which this was the last missing output.
   Stage stage_of(const std::vector<MemberVariable>& outputs) {
     Stage stage;
     for (const auto& output : outputs) {
@@ -112,8 +112,8 @@ class Wiring::Builder {
     calls.back().references.push_back(variable.reference);
   }
 
-  /// Returns a loop among the remaining outputs, such as "a.y -> b.u -> b.y -> a.u -> a.y". Searches backwards along
-  /// the wires.
+  /// Returns a loop among the outputs that no stage can read, such as "a.y -> b.u -> b.y -> a.u -> a.y". Searches
+  /// backwards along the wires.
   std::string path() const {
     std::vector<MemberVariable> walk;
     auto output = waits_for_.begin()->first;
@@ -162,7 +162,8 @@ Evaluation Wiring::read(const Stage& stage) {
   return Evaluation::ok;
 }
 
-/// Computes the inputs that `stage` sets: the sums of factor * output + offset over their wires.
+/// Computes the inputs that `stage` sets. An input is the sum of factor * output + offset over all wires that end at
+/// it.
 void Wiring::collect(const Stage& stage) {
   for (const auto& call : stage.writes) {
     for (auto input = call.first; input < call.first + call.references.size(); ++input) {

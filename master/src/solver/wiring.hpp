@@ -40,7 +40,8 @@ class Wiring {
   /// `members` must outlive the wiring.
   Wiring(std::vector<ContinuousInstance*> members, const std::vector<Wire>& wires);
 
-  /// Transfers all values. Throws Error (algebraic_loop) with the path of the loop if a loop does not converge.
+  /// Transfers the values of all wires. Throws Error (algebraic_loop) with the path of the loop if a loop does not
+  /// converge.
   Evaluation evaluate();
   bool has_loop() const { return !loop_.reads.empty(); }
   bool empty() const { return stages_.empty() && !has_loop(); }
@@ -51,19 +52,20 @@ class Wiring {
   /// evaluations.
   void set_loop_start(std::span<const double> inputs) { loop_start_.assign(inputs.begin(), inputs.end()); }
 
-  /// Computes the change of all derivatives if one state of a member changes by 1. The derivatives of member `i` start
-  /// at first_states[i]. Requires that there is no loop and that all members provide directional derivatives.
+  /// Computes the change of all derivatives if one state of a member changes by 1. In `derivatives`, those of member
+  /// `i` start at the index first_states[i]. Requires that there is no loop and that all members provide directional
+  /// derivatives.
   void propagate(std::size_t member, std::size_t state, std::span<const std::size_t> first_states,
                  std::span<double> derivatives);
 
  private:
-  /// A call that reads outputs of a member. The values start at index `first`.
+  /// A call that reads outputs of a member. `first` is the index of its first value in outputs_.
   struct Read {
     std::size_t member = 0;
     std::vector<ValueReference> references = {};
     std::size_t first = 0;
   };
-  /// A call that sets inputs of a member. The values start at index `first`.
+  /// A call that sets inputs of a member. `first` is the index of its first value in inputs_.
   struct Write {
     std::size_t member = 0;
     std::vector<ValueReference> references = {};
@@ -81,7 +83,7 @@ class Wiring {
   };
   class Builder;
 
-  /// Changes of a member's inputs and states.
+  /// The inputs and states of a member that change (`knowns`), and their changes (`seed`).
   struct Change {
     std::vector<ValueReference> knowns = {};
     std::vector<double> seed = {};

@@ -14,9 +14,9 @@
 namespace mebots::master {
 namespace {
 
-/// Divides the instances into groups; each group steps on one thread. An instance that reads a buffer must step before
-/// the buffer's owner, so both are in the same group. The members of a continuous system or of a clock group also share
-/// a group.
+/// Divides the instances into groups; each group steps on one thread. An instance that reads an OSMP buffer must step
+/// before the instance that owns the buffer, so both are in the same group. The members of a continuous system or of a
+/// clock group also share a group.
 std::vector<std::vector<std::size_t>> groups_of(const ResolvedSystem& system, const Ensemble& ensemble) {
   std::vector<std::size_t> group(ensemble.size());
   std::iota(group.begin(), group.end(), std::size_t{0});

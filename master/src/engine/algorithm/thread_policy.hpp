@@ -23,23 +23,26 @@ namespace mebots::master {
 class ThreadPolicy {
  public:
   static constexpr int kWindow = 16;
-  /// Minimum duration of a step for a parallel trial [s]. Waking threads and waiting for them takes at least this time.
+  /// Minimum duration of a step [s]. With shorter steps, no parallel window is tried, because waking threads and
+  /// waiting for them takes at least this time.
   static constexpr double kLeastStep_s = 20e-6;
-  /// A parallel window must take at most this fraction of a serial window's time. Smaller differences are noise.
+  /// Steps stay parallel only if a window of kWindow steps takes at most this fraction of the time of the fastest known
+  /// serial window. Smaller differences are noise.
   static constexpr double kGain = 0.95;
 
   bool parallel() const { return parallel_; }
-  /// Counts a step. Must be called after each step.
+  /// Must be called after each communication step. Decides whether the next steps are parallel.
   void stepped();
-  /// Records the duration of a completed or abandoned window of steps [s].
+  /// Records the wall time of a window of kWindow steps, or of a parallel window that was abandoned earlier [s].
   void window_took(double time_s);
 
  private:
-  // Number of serial windows before the first trial and after each parallel run.
+  // Number of serial windows (of kWindow steps) before the first parallel window, and after kParallelRun parallel
+  // windows.
   static constexpr std::int64_t kFirstWindows = 2;
-  // Number of parallel windows after which the serial time is measured again.
+  // After this number of consecutive parallel windows, steps become serial to measure the serial time again.
   static constexpr std::int64_t kParallelRun = 64;
-  // Number of serial runs whose times are stored for the comparison.
+  // Number of earlier phases of serial stepping whose shortest window times are stored for the comparison.
   static constexpr std::size_t kRemembered = 8;
   static constexpr std::int64_t kFirstPause = 16;
   static constexpr std::int64_t kLongestPause = 4096;
@@ -56,7 +59,7 @@ class ThreadPolicy {
   bool parallel_ = false;
   std::int64_t left_ = kFirstWindows;  // number of windows until the other mode is tried
   std::int64_t pause_ = kFirstPause;   // number of serial windows after a failed trial
-  // Time of the fastest serial window in the current or last serial run.
+  // Shortest wall time of a serial window since steps last became serial [s].
   double serial_s_ = std::numeric_limits<double>::infinity();
   std::array<double, kRemembered> earlier_s_ = all_unknown();  // times of earlier serial runs, as a ring buffer
   std::size_t turn_ = 0;

@@ -16,8 +16,8 @@ namespace mebots::master {
 /// a bond is the energy that the coupling created. The limit is the tolerance times the maximum length of a step.
 class CouplingMeasure {
  public:
-  /// All arguments must outlive this object. Must be created before Ensemble::initialize(). Throws InputError as
-  /// PowerBond does.
+  /// All arguments must outlive this object. Must be created before Ensemble::initialize(). Throws InputError if a
+  /// measured power bond is invalid (see PowerBond).
   CouplingMeasure(const ResolvedSystem& system, Ensemble& ensemble);
 
   struct Error {
@@ -25,9 +25,10 @@ class CouplingMeasure {
     int order = 2;                          ///< the error is proportional to this power of the step length
     std::optional<std::size_t> worst = {};  ///< index of the input or bond in ResolvedStepControl::measured
   };
-  /// Returns the error of the step that ends at `point`. The ensemble must have reached this point.
+  /// Returns the coupling error of the communication step that ends at `point`. The ensemble must contain the outputs
+  /// at this point.
   Error error(const Point& point) const;
-  /// Stores the values at the start of the next step.
+  /// Stores the outputs at `point`, where the next communication step starts.
   void advance(const Point& point);
 
   void visit(state::Visitor& v);
@@ -42,7 +43,7 @@ class CouplingMeasure {
 
     void visit(state::Visitor& v);
   };
-  /// The error of a step, and the magnitude to which the relative tolerance applies.
+  /// The coupling error of a step, and the magnitude to which the relative tolerance applies.
   struct Measured {
     double error = 0;
     double magnitude = 0;

@@ -33,14 +33,15 @@ ForcedPoints::ForcedPoints(const ResolvedSystem& system, Ensemble& ensemble, con
   for (const auto& group : system.clock_groups) with_clocks_.push_back(group.members.front());
 }
 
-/// Returns the index of the first point at or after `time_ns`. Takes into account that times of points are rounded down
-/// to nanoseconds if the step is a fraction.
+/// Returns the index of the first point at or after `time_ns`. If the step is not a whole number of nanoseconds, also
+/// accepts a point that is one nanosecond earlier, because times of points are rounded.
 std::int64_t ForcedPoints::point_from(std::int64_t time_ns) const {
   const auto k = grid_.point_at(time_ns);
   return grid_.has_passed(time_ns, grid_.time_ns(k), 0) ? k : k + 1;
 }
 
-/// Calls action(time_ns) for every known time at which an override changes.
+/// Calls action(time_ns) for every time at which an override changes. Skips overrides whose start time is not known
+/// yet.
 template <typename Action>
 void ForcedPoints::for_each_event(Action action) const {
   if (overrides_ == nullptr) return;

@@ -60,7 +60,7 @@ void StepControl::restore(const SavedPoint& saved, std::int64_t k) {
   auto& ensemble = slaves_->ensemble();
   for (std::size_t i = 0; i < ensemble.size(); ++i) ensemble.slave(i).restore_state(*saved.slaves[i]);
   state::restore(ensemble, saved.values);
-  // Saved states contain no buffer addresses and no time derivatives of outputs.
+  // Saved states contain neither addresses of OSMP buffers nor time derivatives of outputs, so outputs are read again.
   for (std::size_t i = 0; i < ensemble.size(); ++i) slaves_->read_outputs(i, k);
 }
 

@@ -19,7 +19,7 @@ namespace mebots::master {
 class StepControl {
  public:
   /// All arguments must outlive this object; `overrides` may be null. Must be created before Ensemble::initialize().
-  /// Throws InputError as PowerBond does.
+  /// Throws InputError if a measured power bond is invalid (see PowerBond).
   StepControl(const ResolvedSystem& system, SlaveSteps& slaves, const OverrideSchedule* overrides);
 
   /// Performs one communication step from t_k and sets `reached` to its end. If the error exceeds the tolerance and all

@@ -15,7 +15,7 @@ constexpr double kSmallestError = 1e-12;
 constexpr double kLargestError = 1e12;
 constexpr double kOrderOfGains = 2;
 
-/// Clamps the error to this range. NaN counts as the largest error.
+/// Clamps the error to the range from kSmallestError to kLargestError. NaN becomes kLargestError.
 double bounded(double error) {
   return error < kLargestError ? std::max(error, kSmallestError) : kLargestError;
 }

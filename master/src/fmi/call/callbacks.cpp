@@ -37,7 +37,7 @@ class InCallback {
   CurrentCallback outer_;
 };
 
-/// All targets, for callbacks on threads that are not in a call to an FMU.
+/// All CallbackTargets. A callback on a thread that is not in a call to an FMU finds its target here.
 struct Registry {
   std::mutex mutex;
   std::unordered_set<CallbackTarget*> targets;

@@ -46,7 +46,7 @@ struct Fmi3Callbacks {
   fmi3IntermediateUpdateCallback intermediate_update = nullptr;
 };
 
-/// The environment that an FMU passes to its callbacks. Its address identifies the instance.
+/// The environment that an FMU passes to the callbacks of the master. Its address identifies the instance.
 struct CallbackEnvironment {
   fmi2CallbackFunctions functions{};
   // The component of an instance of FMI 1.0, which has no environment. Set after keep_environment().
@@ -72,7 +72,7 @@ class CallbackTarget {
   /// Returns the callbacks for FMI 2.0. They are valid as long as this object exists or, after keep_environment(),
   /// until the process ends.
   const fmi2CallbackFunctions& functions(bool asynchronous);
-  /// Returns the callbacks for FMI 3.0. They are valid as long as the result of functions().
+  /// Returns the callbacks for FMI 3.0. They are valid as long as those for FMI 2.0 (see functions()).
   Fmi3Callbacks fmi3_callbacks();
   /// Keeps the environment until the process ends. Must be called if the instance is not freed, because its threads may
   /// still use the environment.

@@ -46,9 +46,10 @@ std::string reason(const char* what) {
                      call.function, kRemedy);
 }
 
-/// The process whose runs are guarded. Its child processes are not guarded.
+/// Id of the process that created the latest ExitGuard. Guards have no effect in other processes, such as forked
+/// copies.
 std::atomic<pid_t> guarded_process = 0;
-/// The thread that ends the process during a busy run; 0 if no thread does.
+/// The thread in which end_busy_runs() is ending the process; 0 if no thread is doing this.
 std::atomic<pid_t> ending_thread = 0;
 /// A signal that was received outside of calls to FMUs; 0 if there was none.
 std::atomic<int> kept_signal = 0;
@@ -127,7 +128,8 @@ bool end_by_signal(int signal) {
     return false;
   }
   const std::unique_lock lock(guards().mutex, std::try_to_lock);
-  // If another thread holds the mutex, it is creating or destroying a guard. A busy run is then assumed.
+  // If another thread holds the mutex, it is creating or destroying a guard. Then it is unknown whether a guard is
+  // busy, and the signal is stored as if one were.
   if (lock.owns_lock() && std::ranges::none_of(guards().all, &ExitGuard::busy)) return false;
   kept_signal = signal;
   return true;

@@ -23,8 +23,8 @@ class ForeignException : public Error {
 /// called in a catch block.
 std::string escaped_exception_text();
 
-/// Makes the busy runs fail and ends the process. Must be called while an FMU is ending the current thread, which
-/// cannot be prevented.
+/// Calls end_busy_runs() and ends the process. Must be called while an FMU is ending the current thread, because the
+/// end of the thread cannot be prevented.
 [[noreturn]] void end_with_thread();
 
 /// Calls `work`, which calls an FMU, and returns its result. Converts an exception to ForeignException. If the call

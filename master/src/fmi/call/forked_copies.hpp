@@ -21,8 +21,8 @@ class ForkedCopies {
   ForkedCopies(const ForkedCopies&) = delete;
   ForkedCopies& operator=(const ForkedCopies&) = delete;
 
-  /// Returns the report of the first copy that returned from a call; nullopt if no copy returned. Waits for a short
-  /// time if copies are still running. Must be called once, after the last call to an FMU.
+  /// Returns the report of the first forked copy that returned from a call to an FMU; nullopt if no copy returned.
+  /// Waits for a short time if forked copies are still running. Must be called once, after the last call to an FMU.
   std::optional<std::string> returned();
 
  private:

@@ -39,7 +39,7 @@ ProcessReach reach_of(std::string_view symbol);
 /// Returns the demangled name of a function without its version prefix, for messages.
 std::string_view readable_name(const ProcessFunction& function);
 
-/// Restores all data with Remedy::renewed to the values of a new process.
+/// Resets the data of all functions with Remedy::renewed, such as the state of rand(), to the values in a new process.
 void renew_c_library();
 
 }  // namespace mebots::master

@@ -122,7 +122,7 @@ OpenFiles open_files() {
     if (is_connection(descriptor)) continue;
     if (const auto file = file_behind(descriptor)) files[descriptor] = *file;
   }
-  // Removes the descriptor of the listed folder, which is closed now.
+  // The list contains the descriptor with which this loop has read /proc/self/fd. It is closed now.
   std::erase_if(files, [](const auto& file) { return fcntl(file.first, F_GETFD) == -1; });
   return files;
 }

@@ -23,14 +23,16 @@ using Handlers = std::map<int, struct sigaction>;
 /// The device and inode of each open file descriptor.
 using OpenFiles = std::map<int, std::pair<dev_t, ino_t>>;
 
-/// Returns the open file descriptors of this process. Omits network connections, because they can end without the FMU.
+/// Returns the open file descriptors of this process. Omits network connections, because their peers can close them at
+/// any time.
 OpenFiles open_files();
 OpenFiles standard_files();
 
 /// Detects closed file descriptors. Keeps copies of standard input, output and error.
 class DescriptorState {
  public:
-  /// Checks the descriptors in `files` that still refer to the same files. Their owners may have closed the others.
+  /// Observes the descriptors in `files`. Ignores those that no longer refer to the same file, because their owners may
+  /// have closed them.
   explicit DescriptorState(const OpenFiles& files);
   ~DescriptorState();
   DescriptorState(const DescriptorState&) = delete;
@@ -108,8 +110,8 @@ class EnvironmentVariables {
  public:
   static EnvironmentVariables now();
 
-  /// Restores the environment variables of this copy. Returns a text for each reverted change, such as "environment
-  /// variable TZ became 'UTC' (put back)".
+  /// Restores the environment variables that this object contains. Returns a text for each reverted change, such as
+  /// "environment variable TZ became 'UTC' (put back)".
   std::vector<std::string> restore() const;
 
  private:
@@ -125,7 +127,8 @@ class EnvironmentVariables {
 /// can affect other FMUs and the master. Must not be used by two threads at the same time.
 class ProcessState {
  public:
-  /// Stores the parts of the state that an FMU with this `reach` can change. The descriptors in `files` must stay open.
+  /// Stores the current state. If `reach` is not ProcessReach::everything, stores only the file descriptors. The
+  /// descriptors in `files` must stay open.
   explicit ProcessState(const OpenFiles& files = open_files(), ProcessReach reach = ProcessReach::everything);
 
   /// Reverts changes if possible, and returns a text for each change, such as "the mask of file modes became 000 (put
@@ -140,7 +143,7 @@ class ProcessState {
   static constexpr std::array kLimits = {RLIMIT_AS,    RLIMIT_CORE,   RLIMIT_CPU,  RLIMIT_DATA,
                                          RLIMIT_FSIZE, RLIMIT_NOFILE, RLIMIT_STACK};
 
-  /// The state without the descriptors.
+  /// All parts of the state except the file descriptors.
   struct Rest {
     Rest();
     void put_right(std::vector<std::string>& texts) const;

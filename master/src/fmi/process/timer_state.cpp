@@ -53,7 +53,7 @@ TimerState::Created TimerState::created() {
     int signal = 0;
     if (key == "ID:") list >> number;
     std::string notification;
-    // Ignores the address after the signal.
+    // The line contains the signal and an address, such as "signal: 60/00007fff86e452a8". Reads only the signal.
     if (key == "signal:" && list >> signal) timers[number] = signal;
     if (key == "notify:" && list >> notification && notification.starts_with("none")) timers.erase(number);
   }

@@ -65,7 +65,7 @@ void move_pipes_aside() {
   replies = copy(STD_OUTPUT_HANDLE);
   _dup2(_open("NUL", _O_RDONLY), 0);
   _dup2(2, 1);
-  // For libraries that have their own C library.
+  // Also redirects the handles of the process. A library that contains its own C library uses them.
   SetStdHandle(STD_INPUT_HANDLE, reinterpret_cast<HANDLE>(_get_osfhandle(0)));
   SetStdHandle(STD_OUTPUT_HANDLE, GetStdHandle(STD_ERROR_HANDLE));
 }
@@ -264,8 +264,8 @@ void serve(Result (*function)(Arguments...), Reader& reader, Writer& writer) {
 
 using Server = std::function<void(Reader&, Writer&)>;
 
-/// Returns a server for each function of for_each_function(). The server is empty if the library does not have the
-/// function.
+/// Returns a Server for each function of for_each_function(). A Server reads the arguments of a call, calls the
+/// function and writes the results. It is empty if the library does not have the function.
 template <typename Table, typename ForEach>
 std::vector<Server> make_servers(void* library, ForEach for_each_function, const std::string& prefix = {}) {
   const auto table = fmi::find_functions<Table>(library, for_each_function, prefix);

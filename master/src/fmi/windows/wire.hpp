@@ -107,8 +107,8 @@ struct Signature {
   using Argument = std::tuple_element_t<i, std::tuple<Arguments...>>;
 
   /// Returns the index of the argument that is the length of the array `i`; kSingle if the pointer refers to one value.
-  /// The length is the next argument or, if that is not a length, the nearest length before the pointer. An array of
-  /// sizes precedes the arrays that have these sizes.
+  /// The length is the next argument or, if that is not a length, the nearest length before the array. An array of
+  /// sizes has the length of the array that follows it.
   static consteval int length_of(std::size_t i) {
     constexpr std::array<bool, kCount> kLengths{std::is_same_v<Arguments, std::size_t>...};
     constexpr std::array<bool, kCount> kPointers{std::is_pointer_v<Arguments>...};
@@ -141,7 +141,8 @@ template <typename T>
 concept Function = std::is_pointer_v<T> && std::is_function_v<std::remove_pointer_t<T>>;
 template <typename T>
 concept Value = (std::is_arithmetic_v<T> || std::is_enum_v<T> || std::is_same_v<T, void*>);
-/// A text that ends with a zero byte. A pointer to char with a length is an array of bytes.
+/// A text that ends with a zero byte: a `const char*` without a length argument. With a length argument, it is an array
+/// of bytes.
 template <typename T, int length>
 concept Text = std::is_same_v<T, const char*> && length < 0;
 template <typename T>
@@ -158,7 +159,7 @@ const std::uint8_t* > ;
 struct Slot {
   std::uint64_t count = 0;
   bool is_null = false;
-  /// The elements in memory for the C function: numbers, or pointers to texts and arrays of bytes.
+  /// The memory that the C function reads or writes: numbers, or pointers to texts and to arrays of bytes.
   std::vector<std::byte> elements;
   std::vector<std::optional<std::string>> texts;
 
@@ -170,8 +171,8 @@ struct Slot {
     const auto* const start = reinterpret_cast<const std::byte*>(bytes.data());
     elements.assign(start, start + bytes.size());
   }
-  /// Stores texts and an array of pointers to them. The pointer of a missing text is null. An empty text must not
-  /// replace it, because the FMU may read as many bytes as the binary's size says.
+  /// Stores texts and an array of pointers to them. The pointer of a missing text must be null. It must not point to an
+  /// empty text, because for a Binary, the FMU may read as many bytes as the size of the Binary says.
   template <typename Pointer>
   void keep_texts(std::vector<std::optional<std::string>> kept) {
     texts = std::move(kept);

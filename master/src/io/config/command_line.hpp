@@ -14,8 +14,8 @@ namespace mebots::master {
 /// does not have this form.
 Setting read_set(const std::string& text);
 
-/// Splits a setting at the `=` after the longest known name, because names may contain `=`. Returns the setting
-/// unchanged if no longer name is known.
+/// Moves the split between name and value to a later `=` if is_known() is true for the longer name, because names may
+/// contain `=`. Uses the longest known name. If no longer name is known, returns the setting unchanged.
 Setting with_longest_name(const Setting& setting, const std::function<bool(const std::string&)>& is_known);
 
 /// Inserts `--set` before each further assignment: `--set a.b=1 c.d=2` becomes `--set a.b=1 --set c.d=2`. An assignment

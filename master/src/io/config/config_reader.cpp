@@ -69,8 +69,8 @@ void refuse_archive(std::string_view text, const std::filesystem::path& file) {
           file.string()));
 }
 
-/// Builds the same JSON as ordered_json::parse(), but does not search for members with the same name, which takes 10 s
-/// for 100,000 members. The data layer rejects them.
+/// Builds the same JSON as ordered_json::parse(), but does not search for an earlier member with the same name, because
+/// this takes 10 s for 100,000 members. data::Document reports such members.
 class OrderedBuilder : public nlohmann::json_sax<nlohmann::ordered_json> {
  public:
   using Json = nlohmann::ordered_json;
@@ -152,8 +152,8 @@ void read_sections(const data::Node& root, SystemDescription& system) {
   bool has_instances = true;
   for (const auto& section : kSections) {
     const auto read = [&](const data::Node& node) {
-      // If there are no instances, each instance name would be reported as a mistake. Sections with such names are then
-      // skipped.
+      // If no instance was read, each instance name would be reported as a mistake. Sections that contain instance
+      // names are then skipped.
       if (has_instances || !section.names_instances) section.read(node, system);
     };
     if (section.required) {
@@ -267,8 +267,8 @@ void read_ssp_config(LoadedSystem& loaded, SspConfig ssp, const std::string& fil
   read_made_config(loaded, file, std::move(ssp.places));
 }
 
-/// Reads a single FMU as a system. The source omits the FMU's folder, because the hash of the inputs contains the FMU's
-/// bytes.
+/// Reads a single FMU as a system. In `system.source`, the path of the FMU is only a file name. The folder is not
+/// needed, because the hash of the inputs contains the bytes of the FMU.
 void read_single_fmu(LoadedSystem& loaded, const std::filesystem::path& file, const GivenTimes& times) {
   auto& system = loaded.system;
   loaded.config = config::single_fmu_config(file, read_fmu_description(file), times, system.notices);

@@ -115,8 +115,9 @@ std::string read_variant(const data::Node& root);
 /// Returns `base` with the changes of the variant. If the variant has a `text`, it replaces the `text` of the base.
 nlohmann::ordered_json merged(nlohmann::ordered_json base, const nlohmann::ordered_json& variant);
 
-/// Returns the places of parts of the merged config, for data::Document: the key `changes`, or `extends` with the name
-/// of the extended file. `base` is the content of the extended file.
+/// Returns where the parts of the merged config are written, for error messages of data::Document. The keys are JSON
+/// pointers. The place of a changed part is "changes", the place of all other parts is "extends FILE". `base` is the
+/// content of the extended file.
 std::map<std::string, std::string> places_of(const nlohmann::ordered_json& variant, const nlohmann::ordered_json& base);
 
 }  // namespace mebots::master::config

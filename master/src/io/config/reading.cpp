@@ -47,7 +47,8 @@ VariableName variable_name(const Node& node, const SystemDescription& system) {
 
 std::string instance_name(const std::string& name, const Node& node, const SystemDescription& system) {
   if (system.find_instance(name) != nullptr) return name;
-  // Number of errors with a suggestion. Finding the nearest of 100,000 names is slow, and messages show no more errors.
+  // After this number of errors, no similar name is searched, because searching 100,000 names is slow and messages show
+  // no more errors.
   constexpr std::size_t kAnswered = 20;
   auto what = fmt::format("there is no instance '{}'", name);
   if (node.noted() < kAnswered) what += ". " + suggest(name, system.instance_names());

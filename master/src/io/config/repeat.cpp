@@ -51,7 +51,7 @@ struct Filling {
   bool is_index = false;  // false for a value of a column or list
 };
 
-/// The replacements of one copy: names and values.
+/// For one copy of an entry: the names in braces, and the values that replace them.
 using Values = std::vector<std::pair<std::string, Filling>>;
 
 bool is_name(std::string_view text) {
@@ -179,7 +179,7 @@ std::vector<Values> product(const Node& node, const std::vector<Values>& first, 
   return all;
 }
 
-/// The values of the copies for each group in `groups`.
+/// The section `groups` of a config. A group defines the copies of all entries with `"repeat": "GROUP"`.
 class Groups {
  public:
   explicit Groups(Repeats& repeats) : repeats_(repeats) {}
@@ -227,7 +227,8 @@ class Groups {
   std::map<std::string, std::vector<Values>> groups_;
 };
 
-/// Adds a member after the replacement of names in its key. Throws InputError if the object already has this key.
+/// Adds a member to an object. In `key`, names in braces are already replaced. Throws InputError if the object already
+/// has this key.
 void add_filled(Json& object, std::string key, Json value) {
   if (object.contains(key))
     throw InputError(ErrorCode::duplicate_name, fmt::format("two keys of one copy become '{}'", key));
@@ -339,7 +340,8 @@ class Expansion {
   Expansion(const Groups& groups, Repeats& repeats, std::string file)
       : groups_(groups), repeats_(repeats), file_(std::move(file)) {}
 
-  /// Returns the value at `pointer` with copies of its elements, and with values in place of names in braces.
+  /// Returns the value at `pointer` after the expansion: list elements with `repeat` are replaced by their copies, and
+  /// names in braces by `values`.
   Json of(const Node& node, const Json& content, const Values& values, const std::string& pointer) {
     if (!repeats_inside(content)) return values.empty() ? content : Filler(values).filled(content);
     return content.is_array() ? list(node, content, values, pointer) : object(node, content, values, pointer);
@@ -422,7 +424,8 @@ class Expansion {
     });
   }
 
-  /// Merges a list of parameter objects and their copies into one object.
+  /// If `parameters` of an instance is a list of objects, merges them into one object. Must be called after elements
+  /// with `repeat` were replaced by their copies.
   void merge_parameters(const Node& node, Json& instance, const std::string& pointer) {
     if (!instance.is_object() || !instance.contains(kParameters) || !instance.at(kParameters).is_array()) return;
     if (instance.at(kParameters).empty()) node.fail(ErrorCode::invalid_value, "the list of parameters is empty");
@@ -440,8 +443,8 @@ class Expansion {
     instance[kParameters] = std::move(merged);
   }
 
-  /// Names a member of a group in the summary by its indexes, if it has no name. Such a member has only the key
-  /// `variable`. Other lists in the summary contain conditions.
+  /// If `entry` is a member of a summary group and has only the key `variable`, adds a `name`: the indexes of its copy,
+  /// such as "2" or "1,3". Conditions, which also occur in the summary, have more keys.
   static void name_member(Json& entry, const Values& values, std::string_view pointer) {
     if (!pointer.starts_with("/summary/") || !entry.is_object()) return;
     if (entry.size() != 1 || !entry.contains("variable")) return;
@@ -452,7 +455,8 @@ class Expansion {
     if (!indexes.empty()) entry["name"] = fmt::format("{}", fmt::join(indexes, ","));
   }
 
-  /// Stores the place of a copy. `place` is the line and column of its entry in the file.
+  /// Stores where the copy at `pointer` comes from: the line and column of its entry in the file (`place`), and the
+  /// values of the copy.
   void note_place(const std::string& pointer, const std::string& place, const Values& values) {
     repeats_.places[pointer] = values.empty() ? place : fmt::format("{}, {}", place, shown(values));
   }

@@ -90,8 +90,9 @@ ConditionDescription read_lasting_condition(const Node& node, const SystemDescri
 
 }  // namespace mebots::master::config
 
-/// Replaces entries with `repeat` by their copies, such as {"motors[{i}]": {"repeat": {"i": [1, 16]}, "fmu": ...}},
-/// before the sections are read. `groups` contains named indexes for several entries.
+/// Replaces entries with `repeat` by their copies before the sections are read. For example, {"motors[{i}]": {"repeat":
+/// {"i": [1, 16]}, "fmu": ...}} becomes the instances motors[1] to motors[16]. The section `groups` names ranges of
+/// indexes that several entries use.
 namespace mebots::master::config {
 
 inline constexpr const char* kRepeat = "repeat";

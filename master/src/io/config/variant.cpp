@@ -24,9 +24,9 @@ std::string name_beside(const data::Node& node) {
   return name;
 }
 
-/// Stores the key `changes` as the place of each changed part. `base` is the value that `change` changes, or null. An
-/// object that the base does not contain is a change as a whole, so that an error about a missing key refers to the
-/// changes.
+/// Stores "changes" as the place of each value in `change`, so that errors about the value refer to the changes. `base`
+/// is the value that `change` changes, or null. For an object that the base does not contain, also stores the place of
+/// the object itself, because a key may be missing in it.
 void mark(const Json& change, const Json* base, const Json::json_pointer& at,
           std::map<std::string, std::string>& places) {
   const bool goes_into = base != nullptr && base->is_object();

@@ -16,8 +16,8 @@ struct OspVariable {
   std::string text() const { return simulator + "." + variable; }
 };
 
-/// The effect of a function's input on a variable. The value of `to` is the sum of `factor * from + offset` over all
-/// its links.
+/// A connection that replaces a function. It adds `factor * from + offset` to the variable `to`. `from` is connected to
+/// an input of the function, `to` to an output.
 struct FunctionLink {
   OspVariable from;
   OspVariable to;
@@ -46,16 +46,17 @@ class Functions {
   std::vector<FunctionLink> links() const;
 
  private:
-  /// A function of the file. The elements of `inputs` and `outputs` are vectors in a VectorSum. In the other functions,
-  /// they have one element.
+  /// A function of the file. In a VectorSum, each input and output has several elements. In the other functions, it has
+  /// one.
   struct Function {
     pugi::xml_node node;
     bool indexed = false;  // true if the inputs have the names in[0], in[1] and so on, instead of `in`
-    // True if signals have elements, such as in[0][2] and out[2], and can be connected as groups.
+    // True for a VectorSum. Its signals have elements, such as in[0][2] and out[2], and can be connected as groups.
     bool is_vector = false;
     double factor = 1;
     double offset = 0;
-    // Indexed by input and element. An element without a simulator is not connected.
+    // inputs[i][j] is the variable that is connected to element j of input i. Its `simulator` is empty if there is no
+    // connection.
     std::vector<std::vector<OspVariable>> inputs;
     struct Target {
       OspVariable variable;

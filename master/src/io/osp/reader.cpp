@@ -103,7 +103,8 @@ class OspReader {
     fmus_.emplace(name, OspFmu{description, path});
   }
 
-  /// Returns the path of the FMU. If `source` refers to a proxy, the FMU runs in a separate process.
+  /// Returns the path of the FMU, and stores it in `instance`. If `source` is a URI such as proxyfmu://HOST?file=PATH,
+  /// also selects a separate process for the instance.
   std::filesystem::path read_source(pugi::xml_node node, const std::string& name, Json& instance) {
     const auto source = file_.required(node, "source");
     const auto uri = parse_file_uri(source);
@@ -137,7 +138,7 @@ class OspReader {
     return multiple * base;
   }
 
-  /// Opens the FMU again to throw the error.
+  /// Throws the error that occurs when the description of this FMU is read. The error contains the place of `node`.
   [[noreturn]] void throw_reason(pugi::xml_node node, const std::filesystem::path& path) const {
     try {
       static_cast<void>(read_fmu_description(path));

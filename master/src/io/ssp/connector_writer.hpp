@@ -25,8 +25,9 @@ class ConnectorWriter {
   /// `system` must outlive this object.
   explicit ConnectorWriter(const ResolvedSystem& system);
 
-  /// Returns the sources and targets of the SSP connections for a connection of the config. A connection of two OSMP
-  /// binaries becomes three connections, one for each Integer. Stores the connectors for write().
+  /// Converts a connection of the config to one or more SSP connections, and returns the source and target of each. A
+  /// connection of two OSMP binaries becomes three connections, one for each Integer. Stores the connectors for
+  /// write().
   std::vector<std::pair<WrittenEnd, WrittenEnd>> ends(const ConnectionDescription& connection);
   /// Appends <Connectors> with the stored connectors of an instance, sorted by name.
   void write(pugi::xml_node component, std::size_t instance, DefinitionsWriter& definitions) const;

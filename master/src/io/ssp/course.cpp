@@ -44,8 +44,7 @@ void Course::pass(const Transformation& transformation, const std::optional<mode
   if (const auto* map = std::get_if<ValueMap>(&transformation.what)) transform(*map, transformation.place);
 }
 
-/// Converts the value to the unit of a connector. The value keeps its unit if the connector has none, which is possible
-/// for a system.
+/// Converts the value to the unit of a connector. If the connector has no unit, the value keeps its unit.
 void Course::convert(const std::optional<modeldesc::Unit>& unit, const std::string& place) {
   if (!unit) return;
   if (unit_) {

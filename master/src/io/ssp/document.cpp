@@ -143,8 +143,8 @@ class SystemReader {
     return component;
   }
 
-  /// Reads the system of another SSD in place of a component. Appends the values of the component to those of the
-  /// system, which they override (5.3.3).
+  /// Reads the system of another SSD in place of a component. Appends the parameter values of the component to those of
+  /// the system. Later values override earlier ones (5.3.3).
   Element read_definition(pugi::xml_node node) const {
     const auto path = resolve_uri(source_, file_, node, node.attribute("source").value());
     if (std::ranges::find(nesting_.open, path) != nesting_.open.end()) {

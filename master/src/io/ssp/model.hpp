@@ -84,7 +84,7 @@ struct Connection {
   std::string place;
 };
 
-/// A value of a parameter binding after the parameter mapping. Its name includes the prefix.
+/// A value of a parameter binding after the parameter mapping. `name` begins with the prefix of the binding.
 struct Parameter {
   std::string name;  ///< relative to the element of the binding
   Json value;
@@ -117,14 +117,14 @@ struct Element {
 /// The change of a value by a chain of connections: factor * value + offset, or a map of values.
 class Course {
  public:
-  /// `unit` is the unit at the start of the chain, if known. If `difference` is true, offsets of units are ignored,
-  /// because the value is a difference (relativeQuantity).
+  /// `unit` is the unit of the value before the first connection, if known. If `difference` is true, offsets of units
+  /// are ignored, because the value is a difference (relativeQuantity).
   explicit Course(std::optional<modeldesc::Unit> unit, bool difference = false)
       : unit_(std::move(unit)), difference_(difference) {}
 
-  /// Appends a connection to a connector with the unit `unit`. Converts the value to `unit`, if any, and then applies
-  /// the transformation (SSP 2.0, 4.5.2.1). Throws InputError with the place of the transformation if this is not
-  /// possible.
+  /// Continues the chain with a connection that ends at a connector with the unit `unit`. Converts the value to `unit`,
+  /// if any, and then applies the transformation (SSP 2.0, 4.5.2.1). Throws InputError with the place of the
+  /// transformation if this is not possible.
   void pass(const Transformation& transformation, const std::optional<modeldesc::Unit>& unit);
 
   double factor() const { return factor_; }
@@ -132,7 +132,8 @@ class Course {
   const std::optional<ValueMap>& map() const { return map_; }
   const std::optional<modeldesc::Unit>& unit() const { return unit_; }
   bool converts_units() const { return converts_units_; }
-  /// True if a conversion of units in the chain has an offset, such as from Celsius to kelvin.
+  /// True if a conversion of units between two of the connected connectors has an offset, such as from Celsius to
+  /// kelvin.
   bool shifts_units() const { return shifts_units_; }
   /// Returns the changed value. Throws InputError if it cannot be changed; the message begins with `name`.
   Json apply(const Json& value, const std::string& name) const;

@@ -177,7 +177,8 @@ std::string Network::indices_of(const Endpoint& endpoint) const {
   return bracket == std::string::npos ? std::string() : name.substr(bracket);
 }
 
-/// Returns the declared connector, or that of the array for an array element; null if it is not declared.
+/// Returns the declared connector of an endpoint. For an array element, returns the connector of the array. Returns
+/// null if it is not declared.
 const Connector* Network::connector(const Endpoint& endpoint) const {
   auto found = connectors_.find(endpoint);
   if (const auto indices = indices_of(endpoint); !indices.empty())

@@ -46,8 +46,8 @@ struct Hop {
 /// this connector has no source. If one connection of the chain names an array element, all ends are elements.
 using Way = std::vector<Hop>;
 
-/// Returns the chain for the element `indices`, such as "[2]", of a chain of whole arrays. Throws InputError if a
-/// connection of the chain already names an element.
+/// `way` must connect whole arrays. Returns the part of `way` that connects their elements with the indices `indices`,
+/// such as "[2]". Throws InputError if a connection of `way` already names an element.
 Way element_of(const Way& way, const std::string& indices);
 
 struct PlacedComponent {
@@ -77,10 +77,10 @@ class Network {
   std::vector<std::string> connected_elements(const Endpoint& array) const;
   /// Returns the connection that ends at the endpoint; null if no connection does.
   const Hop* into(const Endpoint& endpoint) const;
-  /// Returns the chains to the variables of all components, in the order of the connections. Elements of a system's
-  /// array connector may be connected on one side of the system, and the whole array on the other side. The result then
-  /// contains the chain of the whole array from this connector, and a chain for each connected element. Throws
-  /// InputError for a cycle.
+  /// Returns all chains of connections that end at a variable of a component, in the order of the connections. Elements
+  /// of a system's array connector may be connected on one side of the system, and the whole array on the other side.
+  /// The result then contains the chain of the whole array from this connector, and a chain for each connected element.
+  /// Throws InputError for a cycle.
   std::vector<Way> ways() const;
 
  private:

@@ -27,7 +27,7 @@ using modeldesc::Type;
 constexpr std::string_view kParameterSet = "application/x-ssp-parameter-set";
 constexpr std::string_view kParameterMapping = "application/x-ssp-parameter-mapping";
 
-/// An inline XML element, or the root element of a file, which this object keeps in memory.
+/// An inline XML element (`own` is null), or the root element of a separate file, which `own` keeps in memory.
 struct Part {
   const XmlFile* file;
   pugi::xml_node node;
@@ -161,7 +161,8 @@ std::vector<std::uint64_t> sizes_of(const XmlFile& file, pugi::xml_node paramete
   return sizes;
 }
 
-/// Reads the values of a parameter. Each name follows the name of the parameter: "" for a scalar, or "[2,3]".
+/// Returns the values of a parameter. The first member of a pair is "" for a scalar, or the indices of an array
+/// element, such as "[2,3]".
 std::vector<std::pair<std::string, Json>> values_of(const XmlFile& file, pugi::xml_node parameter) {
   const auto node = type_of(parameter);
   if (!node) file.fail(parameter, "it has no value: an element such as Real, Integer, Boolean or String is expected");
@@ -217,8 +218,8 @@ std::vector<Parameter> read_values(const BindingContext& context, const Part& va
   return result;
 }
 
-/// Applies a parameter mapping (chapter 7). Returns a renamed parameter for each entry that refers to a parameter, and
-/// drops all other parameters.
+/// Applies a parameter mapping (chapter 7). For each entry whose source is in `parameters`, returns a copy of this
+/// parameter with the name and transformation of the entry. Drops parameters to which no entry refers.
 std::vector<Parameter> mapped(const std::vector<Parameter>& parameters, const std::vector<MappingEntry>& entries) {
   std::multimap<std::string_view, const MappingEntry*> by_source;
   for (const auto& entry : entries) by_source.emplace(entry.source, &entry);

@@ -116,7 +116,8 @@ class ConfigMaker {
     }
   }
 
-  /// Returns the combined transformation of a chain, from the connection with the index `first`.
+  /// Returns the combined effect of the transformations and unit conversions of a chain, from its connection with the
+  /// index `first`. `unit` is the unit of the value before this connection, if known.
   Course course_of(const Way& way, std::size_t first, const std::optional<modeldesc::Unit>& unit) const {
     const auto from = network_.port(way[first].from);
     const auto to = network_.port(way.back().to);
@@ -137,7 +138,8 @@ class ConfigMaker {
     return course;
   }
 
-  /// Adds a connection of two components that combines the transformations of a chain.
+  /// Adds one connection to the config, from the first to the last variable of `way`. It combines the transformations
+  /// of all connections of `way`.
   void connect(const Way& way, StartingValues& values) {
     const auto& from = way.front().from;
     const auto& to = way.back().to;
@@ -194,8 +196,8 @@ class ConfigMaker {
     return elements;
   }
 
-  /// Returns a chain for each array element that has a value at a connector of a system, but is not connected itself.
-  /// Returns the whole chain if no element has a value or a connection.
+  /// If connectors of a system have values for single elements of the array, returns a chain for each of these
+  /// elements. Omits elements that are connected alone. If no element has such a value or connection, returns `way`.
   std::vector<Way> parts_with_values(const Way& way, const StartingValues& values) const {
     std::set<std::string> elements;
     for (const auto& hop : way) {
@@ -209,8 +211,8 @@ class ConfigMaker {
     return parts;
   }
 
-  /// Sets the start value of a variable whose chain begins at a connector of a system. Uses the value of the outermost
-  /// connector that has one.
+  /// Sets the start value of the last variable of `way`, which begins at a connector of a system. Uses the value of the
+  /// outermost connector of `way` that has one.
   void feed(const Way& way, StartingValues& values) {
     const auto& to = way.back().to;
     std::size_t first = 0;
@@ -245,8 +247,8 @@ class ConfigMaker {
     }
   }
 
-  /// Writes the remaining start values to the parameters of components. Adds a notice for values of connectors without
-  /// a connection.
+  /// Writes the start values that write_ways() has not used to the parameters of components. Adds a notice for values
+  /// of connectors without a connection.
   void write_values(const StartingValues& values) {
     for (const auto& [endpoint, value] : values) {
       if (network_.is_component(endpoint.element)) {

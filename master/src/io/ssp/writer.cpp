@@ -151,7 +151,8 @@ class SspWriter {
     if (!end.indices.empty()) node.append_attribute((side + "Indices").c_str()) = end.indices.c_str();
   }
 
-  /// Returns the resolved connection of a description with a map. For arrays, returns that of the first elements.
+  /// Returns the resolved connection of `connection`, which must have a map. If it connects arrays, returns the
+  /// connection of their first elements.
   const ResolvedConnection& resolved_map(const ConnectionDescription& connection) const {
     const auto fits = [&](const ResolvedConnection& one) {
       const auto& variable = *one.to.variable;

@@ -132,7 +132,7 @@ void check_options(const Node& node) {
   }
 }
 
-/// Checks the values of a factor: a list, a span, or options that set several parameters.
+/// Checks a factor of the design: a list of values, a span of numbers, or options that set several parameters.
 void check_factor(const Node& node, const std::string& kind) {
   if (node.is(data::Kind::list)) return check_choice(node);
   Object object(node);
@@ -145,7 +145,7 @@ void check_factor(const Node& node, const std::string& kind) {
   }
 }
 
-/// Checks a subset of a design, such as {factor: values} or {factor: {"min": a, "max": b}}.
+/// Checks `when` or `only` of a condition, such as {factor: values} or {factor: {"min": a, "max": b}}.
 void check_subset(const Node& node, const std::vector<std::string>& factors) {
   if (node.members().empty()) node.fail(ErrorCode::invalid_value, "at least one factor is needed");
   for (const auto& [name, value] : node.members()) {
@@ -469,7 +469,7 @@ void check_splitting(const Node& node, const Names& names) {
   require_one_of(splitting, std::array<std::string_view, 3>{"levels", "above", "below"});
 }
 
-/// Reports other objectives in a study with `splitting`, which estimates only the probability of a rare event.
+/// Checks the other keys of a study with `splitting`, which estimates only the probability of a rare event.
 void check_alone(const Object& study, const Names& names) {
   const auto& node = study.node();
   for (const std::string_view key : {"objectives", "constraints", "rounds", "fork", "results"}) {

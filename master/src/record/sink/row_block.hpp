@@ -58,8 +58,8 @@ class RowSink {
 
   /// Saves or restores the state of the sink.
   virtual void visit(state::Visitor& /*v*/) {}
-  /// Returns the name of the saved state. Returns an empty name if the sink has no state; a resumed run may lack such a
-  /// sink.
+  /// Returns the name of the sink's state in a checkpoint; an empty name if the sink has no state. A sink without a
+  /// state may be missing in the run that resumes from the checkpoint.
   virtual std::string_view state_name() const { return {}; }
   /// Keeps the first `rows` rows and drops all others. Must be called after a restore. Throws Error if the sink has
   /// fewer rows.

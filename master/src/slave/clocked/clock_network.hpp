@@ -28,7 +28,7 @@ struct ClockedLink {
   std::vector<ValueReference> to_clocks;
 };
 
-/// Controls the event mode of the members of a network.
+/// Controls the event mode of the instances in a ClockNetwork.
 class EventModes {
  public:
   virtual ~EventModes() = default;
@@ -45,8 +45,8 @@ class ClockNetwork final : public SystemClocks {
   /// `modes` must outlive the network.
   explicit ClockNetwork(EventModes& modes) : modes_(&modes) {}
 
-  /// Adds the clocks of an instance. `member` is its index in the group. `slave` and `clocks` must exist until the last
-  /// call of the network.
+  /// Adds the clocks of the instance with the index `member`. `slave` and `clocks` must exist until the last call to
+  /// this object.
   void add(std::size_t member, HoldingSlave& slave, ClockInstance& clocks);
   void connect(std::vector<ClockLink> clocks, std::vector<ClockedLink> values);
   bool empty() const { return members_.empty(); }

@@ -38,9 +38,9 @@ class HoldingSlave final : public ForwardingSlave {
 
   /// Returns the wrapped slave. Its clocked variables can be accessed only while their clocks tick.
   Slave& alone() { return inner(); }
-  /// Sets the stored inputs of a clock in the FMU. Must be called when the clock ticks.
+  /// Passes the stored values of the inputs that belong to `clock` to the FMU. Must be called when the clock ticks.
   void give_inputs(ValueReference clock);
-  /// Reads and stores the outputs of a clock. Must be called when the clock ticks.
+  /// Reads the outputs that belong to `clock` from the FMU and stores them. Must be called when the clock ticks.
   void store_outputs(ValueReference clock);
 
   void visit(state::Visitor& v);

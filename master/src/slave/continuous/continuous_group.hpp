@@ -38,7 +38,7 @@ class ContinuousGroup final : private DiscreteLinks, private OuterInputs, privat
   std::size_t add(ContinuousSlave& slave);
   /// Connects the members. Must be called before the first member exits initialization mode.
   void connect(std::vector<Wire> wires, std::vector<DiscreteLink> links);
-  /// Returns the network of the members' clocks. A member with clocks must wrap a HoldingSlave.
+  /// Returns the clocks of all members. If a member has clocks, its ContinuousSlave must wrap a HoldingSlave.
   ClockNetwork& clocks() { return clocks_; }
 
   void setup_experiment(const Experiment& experiment);
@@ -60,7 +60,7 @@ class ContinuousGroup final : private DiscreteLinks, private OuterInputs, privat
   void visit(state::Visitor& v);
 
  private:
-  // These functions have no effect, because all members enter event mode together before a clock ticks.
+  // The instances need no individual event mode, because all members enter event mode together before a clock ticks.
   bool is_in_event(std::size_t /*member*/) const override { return true; }
   void enter_event(std::size_t /*member*/, double /*time_s*/) override {}
   void note_late_tick(std::size_t /*member*/, double /*tick_s*/) override {}

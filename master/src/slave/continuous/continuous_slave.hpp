@@ -45,7 +45,7 @@ class ContinuousSlave final : public ForwardingSlave {
   std::unique_ptr<SlaveState> deserialize(std::span<const std::byte> bytes) override;
 
   ContinuousInstance& instance() { return *instance_; }
-  /// Returns the index of the slave among the members of its group.
+  /// Returns the index of the slave among the members of its continuous system.
   std::size_t index() const { return member_; }
   /// Returns the wrapped slave. Calls to it do not affect the group.
   Slave& alone() { return inner(); }

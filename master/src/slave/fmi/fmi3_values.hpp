@@ -36,8 +36,9 @@ class Fmi3Values {
   void set(ValueKind kind, std::span<const ValueReference> references, std::span<const std::int64_t> values);
   void set(ValueKind kind, std::span<const ValueReference> references, std::span<const std::string> values);
 
-  /// The whole FMU variables that contain certain variables of the master. `places` contains an index for each variable
-  /// of the master. The index is the position of its value among all values of the FMU variables.
+  /// FMI 3.0 gets and sets whole arrays. `references` are the value references of the scalars and arrays in the FMU
+  /// that contain the given variables. `value_count` is the number of values of these scalars and arrays. places[i] is
+  /// the position of the i-th given variable among these values.
   struct Whole {
     std::vector<std::uint32_t> references = {};
     std::size_t value_count = 0;
@@ -46,7 +47,7 @@ class Fmi3Values {
   Whole whole(std::span<const ValueReference> references) const;
 
  private:
-  /// The position of a variable of the master in an FMU variable.
+  /// The type and value reference of a scalar or array in the FMU, and the position of an element in it.
   struct Place {
     modeldesc::Type type = modeldesc::Type::real;
     std::uint32_t reference = 0;
@@ -63,7 +64,7 @@ class Fmi3Values {
   struct Call {
     modeldesc::Type type;
     std::vector<std::uint32_t> references;
-    // Indexed like the values of the call; null for elements that the caller did not request.
+    // The variable of each value of the call; null for an array element that the caller did not request.
     std::vector<const modeldesc::Variable*> variables;
     std::size_t value_count = 0;
     std::vector<Move> moves;

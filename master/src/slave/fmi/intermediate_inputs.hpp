@@ -33,7 +33,8 @@ class IntermediateInputs {
                        std::span<const double> values);
   /// Starts a step. If no value was set since the previous step, the polynomials of that step continue.
   void start_step(double start_s);
-  /// Returns the value references in the FMU and the values at `time_s` of all inputs that have derivatives.
+  /// Returns the value references in the FMU of all inputs that have derivatives, and the values of these inputs at
+  /// `time_s`. Includes an array only if all of its elements are set.
   std::pair<std::vector<std::uint32_t>, std::vector<double>> values_at(double time_s) const;
 
  private:

@@ -51,7 +51,8 @@ std::size_t open_descriptors() {
 
 void reserve_descriptors(std::size_t count, std::size_t each) {
   if (count == 0) return;
-  // Descriptors for result files, for a process during its start, and for files of the C library.
+  // Number of descriptors for other purposes: for result files, for a process during its start, and for files of the C
+  // library.
   constexpr std::size_t kOthers = 32;
   const auto open = open_descriptors();
   const rlim_t needed = open + count * each + kOthers;

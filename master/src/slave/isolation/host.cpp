@@ -85,7 +85,8 @@ class Host {
         log_(log_buffer_, *control_),
         answers_(answer_buffer_) {}
 
-  /// Stores the missing mechanisms of the sandbox. The call `open` checks them.
+  /// Stores the mechanisms of the sandbox that this system does not provide, and the mechanisms that may be missing. If
+  /// a required mechanism is missing, Call::open fails.
   void set_refusals(std::vector<Refusal> refusals, std::vector<std::string> may_lack) {
     is_sandboxed_ = true;
     refusals_ = std::move(refusals);
@@ -269,9 +270,9 @@ class Host {
     return true;
   }
 
-  /// Frees the instance. Describes the difference between the memory of the FMU's libraries now and directly after
-  /// loading; returns an empty text if no memory has changed. Throws SlaveError if the FMU fails. The host ends in both
-  /// cases.
+  /// Frees the instance. Returns a description of the difference between the memory of the FMU's libraries now and
+  /// directly after loading; an empty text if no memory has changed. Throws SlaveError if the FMU fails. The host
+  /// process ends after this call, even if the call throws.
   std::string close() {
     closed_ = true;
     states_.clear();

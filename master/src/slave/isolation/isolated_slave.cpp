@@ -485,7 +485,7 @@ void IsolatedSlave::get_integers(std::span<const ValueReference> references, std
 
 void IsolatedSlave::get_booleans(std::span<const ValueReference> references, std::span<std::int64_t> values) {
   std::ranges::transform(read(Call::get_booleans, references).integers, values.begin(),
-                         // The other process may send any number.
+                         // A faulty process may send numbers other than 0 and 1.
                          [](std::int64_t value) { return value == 0 ? 0 : 1; });
 }
 

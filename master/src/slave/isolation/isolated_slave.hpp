@@ -19,8 +19,8 @@
 
 namespace mebots::master::isolation {
 
-/// A slave in a separate process (mebots-fmu-host). Set values are sent with the next call that needs an answer. A step
-/// also requests the outputs that were read after the previous step. A communication step therefore needs only one
+/// A slave in a separate process (mebots-fmu-host). Values to set are sent with the next call that needs an answer. A
+/// step also requests the outputs that were read after the previous step. A communication step therefore needs only one
 /// exchange of messages. After the process has ended or a call has exceeded its deadline, every call throws SlaveError.
 class IsolatedSlave : public Slave {
  public:
@@ -165,7 +165,8 @@ class IsolatedSlave : public Slave {
   std::int64_t step_end_ns_ = 0;
   std::vector<Read> reads_;  // requests since the last step
   std::vector<OsmpTriple> triples_;
-  // The bytes of binary outputs. Each triple has two buffers, so that the bytes stay valid during the next step.
+  // The bytes of each OSMP binary in `triples_`. There are two buffers for each, so that bytes stay valid during the
+  // next step.
   std::vector<std::array<std::vector<std::uint8_t>, 2>> binaries_;
   std::size_t turn_ = 0;
   std::uint64_t states_ = 0;  // number of saved and deserialized states

@@ -109,8 +109,8 @@ struct Child {
   }
 };
 
-/// Ends all descendants of the child. Orphans become children of the keeper. The keeper therefore ends its children
-/// until there are no more.
+/// Ends all descendants of the child. If a descendant ends, its children become children of this process
+/// (PR_SET_CHILD_SUBREAPER). Therefore ends all children of this process until there are no more.
 void end_descendants(Child& child) {
   if (!child.ended) kill(child.number, SIGKILL);
   for (const auto until = Clock::now() + kPatience; child.reap() && Clock::now() < until;) {
@@ -145,15 +145,15 @@ void end_descendants(Child& child) {
   end_as(child.status);
 }
 
-/// Ends the child together with its keeper. Must be called in the child. The end of the keeper closes the other end of
-/// `alive`.
+/// Must be called in the child. Makes the kernel end the child when its parent, the keeper, ends. If the keeper has
+/// already ended, the pipe `alive` is closed at its other end, and this function ends the child.
 void end_with_keeper(const Pipe& alive) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   pollfd gone{alive.ends[0], 0, 0};
   if (poll(&gone, 1, 0) > 0 && (gone.revents & POLLHUP) != 0) _exit(EXIT_FAILURE);  // the keeper had already ended
 }
 
-/// Makes this process a keeper. Returns the previous signal mask, which the child must restore.
+/// Makes this process a keeper (see fork_kept()). Returns the previous signal mask, which the child must restore.
 sigset_t become_keeper(pid_t parent) {
   sigset_t all;
   sigset_t before;
