@@ -165,7 +165,8 @@ if(MEBOTS_CHIP)
   install(DIRECTORY fmu_soc/boards DESTINATION ${share}/fmu_soc)
   install(FILES fmu_soc/src/fmu.cpp DESTINATION ${share}/fmu_soc/src)
   install(FILES fmu_soc/src/fmu/model.cpp fmu_soc/src/fmu/variable_fields.cpp DESTINATION ${share}/fmu_soc/src/fmu)
-  # Installs the headers that these three files include. They are determined during the installation.
+  # Installs the headers that fmu.cpp, model.cpp and variable_fields.cpp include. The list is determined during the
+  # installation.
   install(CODE "
     set(root \"${PROJECT_SOURCE_DIR}/fmu_soc/src\")
     include(\"${PROJECT_SOURCE_DIR}/cmake/MebotsHeaders.cmake\")

@@ -21,7 +21,8 @@ else()
   set(folder ${PROJECT_BINARY_DIR}/musl)
   set(members ${MEBOTS_MATH_FUNCTIONS} ${MEBOTS_MATH_HELPERS})
   list(TRANSFORM members APPEND .lo)
-  # Keeps the time stamps of members that have not changed, so that a new configuration does not link everything again.
+  # Replaces only those object files that have changed. Otherwise, everything would be linked again after each
+  # configuration.
   file(MAKE_DIRECTORY ${folder}/extracted)
   execute_process(COMMAND ${CMAKE_AR} x ${MUSL_ARCHIVE} ${members} WORKING_DIRECTORY ${folder}/extracted COMMAND_ERROR_IS_FATAL ANY)
   foreach(member IN LISTS members)
@@ -33,7 +34,7 @@ else()
   set_source_files_properties(${objects} PROPERTIES EXTERNAL_OBJECT ON)
 endif()
 
-# Prevents the compiler from evaluating calls or replacing functions, because the bits could then differ from the
+# Makes the compiler call these functions. If it evaluated a call or replaced a function, the bits could differ from the
 # library's.
 set(options ${MEBOTS_MATH_FUNCTIONS})
 list(TRANSFORM options PREPEND -fno-builtin-)
@@ -45,7 +46,7 @@ target_compile_options(mebots_math INTERFACE ${options})
 target_link_options(mebots_math INTERFACE LINKER:--exclude-libs,libmebots_math.a)
 add_library(mebots::math ALIAS mebots_math)
 
-# The licence for archives that contain the library.
+# Adds the library to the list of parts, so that archives with the library contain its licence.
 if(CMAKE_CROSSCOMPILING)
   mebots_musl_part(math_part)
   target_compile_options(mebots_math PRIVATE -O2 -ffp-contract=off ${options})

@@ -88,8 +88,8 @@ class Vectors {
   N_Vector tolerances = nullptr;
 };
 
-/// Repeats a restart and a step. `step` stores the reached time in its argument. If the integrator fails, it returns
-/// false.
+/// Measures `step`, which must restart the integrator, perform one step, and store the reached time in its argument. If
+/// the integrator fails, `step` must return false.
 void time_steps(benchmark::State& state, Problem& problem, const Vectors& vectors, auto step) {
   for ([[maybe_unused]] auto _ : state) {
     vectors.next(problem);
@@ -159,7 +159,7 @@ void whole_model_step(benchmark::State& state) {
   for ([[maybe_unused]] auto _ : state) {
     const bool even = (now / kStepNs) % 2 == 0;
     inputs.load_power_w = {even ? 2.1 : 1.9, even ? 0.05 : 0.06, 0.003, 0.96, 0};
-    // Charges the cell at a low charge, so that it never becomes empty.
+    // Charges the cell while its state of charge is below 0.5, so that it never becomes empty.
     inputs.source_power_w = outputs.cell_state_of_charge < 0.5 ? 8 : 0;
     model.step(inputs, now, kStepNs, outputs);
     now += kStepNs;

@@ -3,8 +3,8 @@
 """Measures the processor time for determining the Pareto front of designs. There are two objectives, 30 missions per design, and
 noise with a standard deviation of 0.05.
 
-Usage: front.py FMU DESIGNS... (with the package mebots in PYTHONPATH). In one case, the means are spread over a unit square. In
-the other case, all are on the front, a quarter of a circle.
+Usage: front.py FMU DESIGNS... (with the package mebots in PYTHONPATH). In one case, the mean objectives of the designs are spread
+over a unit square. In the other case, all means are on a quarter of a circle, so that every design is on the front.
 """
 
 import json
@@ -24,7 +24,7 @@ NOISE = 0.05
 
 
 def study(fmu):
-    """Returns a study with two objectives. The measurement does not use the other parts of the study."""
+    """Returns a study with two objectives. Only these objectives affect the measurement."""
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         (folder / "mission.json").write_text(json.dumps({
@@ -45,7 +45,8 @@ def point(chance, on_front):
 
 
 def timed(read, designs, on_front):
-    """Returns the processor time of one evaluation [s]."""
+    """Returns the processor time for determining the front of `designs` designs once [s]. If `on_front` is true, all designs are
+    on the front."""
     evidence, chance = Evidence(read, designs), random.Random(1)
     for design in range(designs):
         x, y = point(chance, on_front)

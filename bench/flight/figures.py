@@ -112,7 +112,8 @@ def thrust_errors(axis, folder):
 
 
 def endurance(axis, jobs):
-    """Draws hover time over payload with the interval of 19 draws, and published values."""
+    """Draws hover time over payload: computed with the values of the data files, the interval of 19 runs with random parameters,
+    and published times."""
     with tempfile.TemporaryDirectory() as scratch:
         values = hover_table.flown(Path(scratch) / "values", jobs, [HOVERING_CELL])
         draws = hover_table.flown(Path(scratch) / "draws", jobs, [HOVERING_CELL], **hover_table.DRAWS)

@@ -48,7 +48,7 @@ def motor_at(stand, drag, law):
 
 
 def steady_points(flight):
-    """Returns mean duty cycle, voltage and speed of each rotor in each second, as points of a stand without thrust.
+    """Returns mean duty cycle, voltage and speed of each rotor in each second, as a Stand without thrust and current.
     """
     rows = [(flight.duty[i, s].mean(), flight.voltage_v[s].mean(), flight.speed_rad_per_s[i, s].mean())
             for s in flight.blocks() for i in range(4)]
@@ -71,7 +71,7 @@ def fit_motor(powered, spun, drag):
 
 
 def simulated_speed(flight, drag, law, inertia):
-    """Computes speeds with the equations from the first measured speed on. Small explicit steps suffice for a lag of 80 ms."""
+    """Integrates the motor's equations from the first measured speed on. Small explicit steps suffice for a lag of 80 ms."""
     emf, resistance, _ = law
     speed, course = flight.speed_rad_per_s[:, 0].copy(), np.empty_like(flight.speed_rad_per_s)
     steps = np.diff(flight.time_s, append=flight.time_s[-1])

@@ -68,14 +68,14 @@ class Flight:
     climb_m_per_s: np.ndarray
 
     def blocks(self, length_s=1.0):
-        """Returns slices of the flight in which every rotor turns. A slice has about `length_s`."""
+        """Returns slices of the flight in which every rotor turns. Each slice is about `length_s` long."""
         edges = np.searchsorted(self.time_s, np.arange(self.time_s[0], self.time_s[-1], length_s))
         whole = [slice(a, b) for a, b in zip(edges, edges[1:])]
         return [s for s in whole if (self.speed_rad_per_s[:, s] > 500).all()]
 
 
 def flight_of(log, name, mass_kg, duty="pwm.m{}_pwm"):
-    """Converts the columns of a log to a flight. If the log has no state, tilt and climb are zero."""
+    """Converts the columns of a log to a flight. If the log has no state estimate, the tilt and the climb rate are zero."""
     length = len(log["time"])
     has_state = "stateEstimate.qx" in log
     upright = 1 - 2 * (log["stateEstimate.qx"]**2 + log["stateEstimate.qy"]**2) if has_state else np.ones(length)
@@ -85,7 +85,7 @@ def flight_of(log, name, mass_kg, duty="pwm.m{}_pwm"):
 
 
 def flight(folder, name):
-    """Reads a flight named jana* or rl*. The logs of rl* have no state."""
+    """Reads a flight named jana* or rl*. The logs of rl* have no state estimate."""
     if name.startswith("rl"):
         return flight_of(read_usd(Path(folder) / STANDS / "cf21_imrc2025" / name), name, RL_MASS_KG, "motor.m{}")
     return flight_of(read_usd(Path(folder) / FLIGHTS / name), name, JANA_MASS_KG)

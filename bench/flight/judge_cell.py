@@ -32,7 +32,8 @@ def spread(values):
 
 
 def before(flights, judged):
-    """Returns a list with the earlier flight that provides the factor of each judged flight, or None if there is no such flight."""
+    """Returns a list with one element for each judged flight: the earlier flight whose resistance factor is used for the
+    prediction, or None if there is no such flight."""
     found = []
     for flight in judged:
         earlier = [f for f in flights if f.start_s < flight.start_s]

@@ -94,7 +94,8 @@ def stand_table(stand, models):
 
 
 def stands_table(judged, fitted):
-    """Prints, for ranges of thrust, the power of one stand divided by the power of the other at the same thrust, minus 1."""
+    """Prints, for ranges of thrust, the power on the judged motor stand divided by the power on the fitted motor stand at the
+    same thrust, minus 1."""
     print("| power of stock-prop / stock2 - 1 | up and down averaged | up | down |\n|---|---|---|---|")
     rising = np.arange(len(judged.duty)) < np.argmax(judged.duty)
     order = np.argsort(fitted.grams)

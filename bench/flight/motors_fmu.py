@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Runs fmu_motors with one rotor file. Its inputs are given duty cycles and voltages."""
+"""Runs fmu_motors with one rotor file. The caller provides the duty cycles and voltages."""
 import json
 import tempfile
 from functools import lru_cache

@@ -99,8 +99,8 @@ class Author {
     return word;
   }
 
-  /// Returns a watched instruction. Half of them are loads that overwrite their own pointer, and stores of their own
-  /// pointer. These are rare among random instructions.
+  /// Returns an instruction whose operands and result the program logs (is_watched()). In half of the cases, it is a
+  /// load that overwrites its own pointer or a store of its own pointer, because random instructions rarely do this.
   std::uint32_t any_watched() {
     switch (random_.below(4)) {
       case 0: {

@@ -19,7 +19,7 @@ import sys
 import tempfile
 import time
 
-# Both kinds of runs preload this library, so that they have the same cost of preloading.
+# Runs with and runs without the filters preload this library, so that both have the cost of preloading.
 LIBRARY = """
 #define _GNU_SOURCE
 #include <dlfcn.h>

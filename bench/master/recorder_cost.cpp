@@ -79,7 +79,7 @@ void steps_with_csv(benchmark::State& state) {
   recorder.flush();
 }
 
-/// Measures the recorder's work for a row of ten values on the simulation's thread.
+/// Measures the time that the recorder needs on the simulation's thread for a row of ten values.
 void rows(benchmark::State& state) {
   Ring ring;
   OutputFile file("/dev/null");

@@ -116,7 +116,8 @@ def config(truck, step, control=None, algorithm="jacobi"):
 
 
 def run(mebots, truck, *settings, **more):
-    """Runs a truck. Returns the number of steps (repeated steps included) and the error."""
+    """Simulates a truck with mebots. Returns the number of steps, including repeated steps, and the error relative to the exact
+    course."""
     exact = ExactTruck(truck.kerb_time)
     system = config(truck, *settings, **more)
     with tempfile.TemporaryDirectory() as name:

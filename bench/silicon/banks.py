@@ -10,8 +10,8 @@ The rule of the RTL is that of pulp-platform/cluster_interconnect (ArbitrationTr
 its grants modulo the number of cores. A binary tree over the cores selects a side at each node: if the side given by a bit of the
 count requests access, it is selected. The nodes use the lowest bit at the leaves and the highest bit at the root. Thus the bank
 grants access to the core with the least value of number XOR count. --each prints the cycles of every core. --quanta prints
-instead the deviation with the tree's order in quanta of these lengths: means over runs that start at six places of a quantum. The
-fabric controller is awake here, which limits quanta to 256. Needs riscv64-unknown-elf-gcc.
+instead the deviation with the tree's order for each of these lengths of a quantum [cycles]. Each value is the mean over runs with
+six start times relative to a quantum. The fabric controller is awake here, which limits quanta to 256. Needs riscv64-unknown-elf-gcc.
 """
 import argparse
 import json
@@ -42,9 +42,9 @@ def any_bank(seed):
     return body, 5
 
 
-# Each form has two values. The first value lists the instructions of one iteration of the loop: the word that a load reads, or
-# None for another instruction. The second value is the distance in words between the words that the same load reads in two
-# consecutive cores.
+# Maps each form of the loop to two values. The first value lists the instructions of one iteration of the loop: the word that a
+# load reads, or None for another instruction. The second value is the distance in words between the words that the same load
+# reads in two consecutive cores.
 FORMS = {
     "one_bank": ([0] * 16, 0),                   # loads one bank in every cycle
     "straight": ([0] * 256, 0),                  # does the same without the end of a loop, in blocks of 64 instructions
@@ -82,7 +82,8 @@ def expected(form, cores, loads):
 
 
 def turns_of(form, loads):
-    """Returns the number of iterations of the loop for `loads` loads. If it is not a whole number, returns None."""
+    """Returns the number of iterations in which the loop of this form executes `loads` loads. If it is not a whole number,
+    returns None."""
     in_body = sum(word is not None for word in FORMS[form][0])
     return loads // in_body if loads % in_body == 0 else None
 
@@ -145,7 +146,8 @@ def assembled(folder, cases, delay=0):
 
 
 def deviation(here, rtl):
-    """Returns the mean relative deviation of a core's cycles, and the relative deviation of the last core."""
+    """Returns the mean relative deviation of the cores' cycles from the RTL's, and the relative deviation of the core that ends
+    last."""
     return sum(abs(ours / its - 1) for ours, its in zip(here, rtl)) / len(rtl), max(here) / max(rtl) - 1
 
 

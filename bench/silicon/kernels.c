@@ -65,8 +65,8 @@ void convolution_scalar(const job_t* shared, unsigned core) {
   }
 }
 
-// Computes the outputs of a column from top to bottom. Keeps the window's first four rows in registers (four words and
-// four bytes), and loads the fifth row: a word and a byte.
+// Computes the outputs column by column, from top to bottom. An output needs 5 x 5 pixels. Their first four rows stay
+// in registers (four words and four bytes); only the fifth row is loaded: a word and a byte.
 void convolution_vector(const job_t* shared, unsigned core) {
   const job_t job = *shared;  // copies the job, which is in L2
   const unsigned begin = first_of(kOut, &job, core);
@@ -125,7 +125,7 @@ void linear_plain(const job_t* shared, unsigned core) {
   }
 }
 
-// Implements both forms of the layer, which differ in the bytes per load.
+// Implements the scalar and the vector form of the linear layer. They load 1 and 4 bytes at a time.
 // clang-format off
 #define LINEAR(name, load, product, bytes)                                                                     \
   void name(const job_t* shared, unsigned core) {                                                              \
@@ -192,7 +192,8 @@ void pool_vector(const job_t* shared, unsigned core) {
   }
 }
 
-// Implements both forms of the layer. They take 8 and 7 cycles per pixel, as published.
+// Implements the scalar and the vector form of the average pool. They take 8 and 7 cycles per output pixel, as
+// GreenWaves published.
 // clang-format off
 #define AVERAGE(name, instructions, body)                                                                    \
   void name(const job_t* shared, unsigned core) {                                                            \
@@ -212,7 +213,8 @@ AVERAGE(average_scalar, "8",
         XPULP_LB_POST("t0", "1", "%[top]") XPULP_LB_POST("t1", "1", "%[top]")
         XPULP_LB_POST("t2", "1", "%[bottom]") XPULP_LB_POST("t3", "1", "%[bottom]")
         "add t0, t0, t1\n\t" "add t2, t2, t3\n\t" ".insn r 0x5b, 2, 2, t0, t0, t2\n\t" /* p.addN: >> 2 */)
-// The two pixels of a row are a halfword. shuffle2 joins two halfwords to a word, and waits a cycle for its load.
+// Loads the two pixels of each row as a halfword. shuffle2 joins the two halfwords to a word; it waits one cycle for
+// the load directly before it.
 AVERAGE(average_vector, "6",
         XPULP_LH_POST("t0", "2", "%[top]") XPULP_LH_POST("t1", "2", "%[bottom]")
         ".insn r 0x57, 1, 0x64, t0, t1, %[halves]\n\t" /* pv.shuffle2.b */
@@ -223,7 +225,7 @@ static unsigned bit_of(const int8_t* bits, unsigned at) {
   return (uint8_t)bits[at / 8] >> at % 8 & 1;
 }
 
-// Counts, for each window, the bits that equal the filter's bits.
+// For each output, counts the input bits in its 5 x 5 window that equal the filter's bits.
 void xnor_plain(const job_t* shared, unsigned core) {
   const job_t job = *shared;  // copies the job, which is in L2
   const unsigned end = first_of(kOut, &job, core + 1);
@@ -246,8 +248,8 @@ static uint32_t six_bits(const int8_t* bits, unsigned at) {
   return (uint32_t)half >> at % 8 & 63;
 }
 
-// Computes the outputs of two columns from top to bottom. The window is a word of five rows of six bits. Each step
-// loads one row.
+// Computes the outputs of two adjacent columns at a time, from top to bottom. `window` contains the input bits of both
+// outputs: five rows of six bits. Each step shifts one more row into it.
 void xnor_scalar(const job_t* shared, unsigned core) {
   const job_t job = *shared;  // copies the job, which is in L2
   const unsigned end = first_of(kOut / 2, &job, core + 1);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// mebots-silicon-phases measures each phase of phases.c on a chip with the given energies. Prints JSON for power.py:
-// seconds, cycles and instructions of the cluster, and joules of each part.
+// mebots-silicon-phases measures each phase of phases.c on a chip with the given energies. Prints JSON for power.py.
+// For each phase, it contains seconds, the cluster's cycles and instructions, and the joules of each part of the chip.
 
 #include "mebots/error.hpp"
 #include "soc/soc.hpp"
@@ -60,7 +60,8 @@ void run(const std::string& board_path, const std::string& energy, const Setting
   auto board = read_board(board_path);
   board.energy = energy;
   auto chip_data = chip_of(board);
-  // Extends the chip's table, because published values are for 100 MHz at 1.0 V, which is beyond it.
+  // Raises the cluster's highest clock at the lowest voltage, because published values are for 100 MHz at 1.0 V. The
+  // chip's table does not allow this clock.
   chip_data.cluster_clock_at_lowest_voltage_hz =
       std::max(chip_data.cluster_clock_at_lowest_voltage_hz, settings.cluster_clock_hz);
   std::vector<Mark> marks;

@@ -49,7 +49,8 @@ def joules(phase):
 
 
 class Model:
-    """Measures a chip with one set of energies. The phases at an operating point are measured at their first use."""
+    """Measures a chip with the energies of file `name`. When a phase is first needed at an operating point, measures all phases
+    at this point."""
 
     def __init__(self, build, name):
         self.build, self.name, self.at = build, name, {}
@@ -70,7 +71,7 @@ class Model:
         return phase["leakage"] / phase["seconds"]
 
     def gain(self, over, name, cycles):
-        """Returns the energy of phase `over` divided by the energy of phase `name`, each for the phase's number of cycles."""
+        """Returns the energy of phase `over` in cycles[0] cycles, divided by the energy of phase `name` in cycles[1] cycles."""
         return self.power_w(over) * cycles[0] / (self.power_w(name) * cycles[1])
 
 
@@ -147,7 +148,8 @@ def scaled(table, factor, source):
 
 
 def calibrate(model, points, rail_v):
-    """Computes four factors on values of gap8.json from four currents. The sources of the changed values mention their factor."""
+    """Computes four factors for values of gap8.json from four measured currents. The `source` of each changed value states its
+    factor."""
     chip = json.loads((ROOT / "fmu_soc/params/gap8.json").read_text())
     wanted_w = {point["name"]: point["value"] * 1e-3 * rail_v for point in points if point["use"] == "calibration"}
     reset_w, fabric_w, idle_w, eight_w = wanted_w.values()
@@ -158,8 +160,8 @@ def calibrate(model, points, rail_v):
 
     leakage = reset_w / watts("fc_asleep 0 1", "leakage")
     fabric = (fabric_w - reset_w) / watts("fc_asleep 0 1", "fc_background")
-    # Scales the leakage of the cluster's cores and banks as that of the fabric controller. Does not scale the cluster's own
-    # leakage.
+    # The leakage of the cluster's cores and banks has the same factor as that of the fabric controller. The chip's value
+    # `cluster_leakage` has no factor.
     own_w = chip["energy"]["cluster_leakage"]["values"]["25"]["1.2"]["any"]
     others_w = watts("cluster_idle 0 1", "leakage") - watts("fc_asleep 0 1", "leakage") - own_w
     clocked_w = watts("cluster_idle 0 1", "cluster_background", "dma", "cluster_cores")

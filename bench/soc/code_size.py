@@ -33,7 +33,8 @@ CACHED_BASE = 0x1C000000
 
 
 def build_programs(size, instructions, folder):
-    """Builds the programs. Returns ELF files as (long, kind of program) -> file. The kind is "bare", "qemu" or "cached"."""
+    """Builds the programs. Returns a dict of ELF files. The key is (True for the long version, kind of program). The kind is
+    "bare", "qemu" or "cached"."""
     source = folder / f"branchy-{size}.c"
     code = folder / f"branchy-{size}.o"
     source.write_text(branchy.source(size * 1024))

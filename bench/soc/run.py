@@ -30,7 +30,7 @@ import time
 
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
-# The number of iterations of the long version. The short version has a tenth.
+# Maps a program to the number of iterations of its long version. The short version has a tenth of them.
 TURNS = {"convolution": 800, "sieve": 1200, "mixed": 70000}
 CLUSTER_TURNS = 400
 CLUSTER_CORES = (1, 8)
@@ -72,7 +72,7 @@ def simulators(build):
 
 
 def build_programs(names, scale, folder):
-    """Builds the programs. Returns ELF files as (program, long, for QEMU) -> file."""
+    """Builds the programs. Returns a dict of ELF files. The key is (program, True for the long version, True for QEMU)."""
     files = {}
     for name in names:
         for is_long in (False, True):
@@ -101,7 +101,8 @@ def build_cluster_program(build, source, options, path):
 
 
 def build_cluster_programs(build, scale, folder):
-    """Builds programs/cluster.c with the firmware's runtime. Returns ELF files as (cores, long) -> file."""
+    """Builds programs/cluster.c with the firmware's runtime. Returns a dict of ELF files. The key is (number of cores, True for
+    the long version)."""
     files = {}
     for cores in CLUSTER_CORES:
         for is_long in (False, True):

@@ -11,8 +11,8 @@ const BRUSHES = 20;
 
 const median = (values) => [...values].sort((a, b) => a - b)[Math.floor(values.length / 2)];
 
-/** Moves a brush in steps. Returns the duration of the frames [ms], and the time from each step until all panels are
- * drawn [ms]. */
+/** Moves the end of a chart's brush in steps. Returns two lists of times [ms]: of each frame, and of all frames from a
+ * step until all panels are drawn. */
 async function follow(page) {
   return page.evaluate(async (steps) => {
     const { selection } = window.mebots;

@@ -35,7 +35,8 @@ STATE = ([f"drone.position.{a}" for a in "xyz"] + [f"drone.velocity.{a}" for a i
          [f"drone.angular_velocity.{a}" for a in "xyz"])
 COMMAND = [f"rotor[{i}].command" for i in (1, 2, 3, 4)]
 HOVER = {"forward": 0.0, "left": 0.0, "yaw_rate": 0.0, "altitude": 1.0}
-# Each row: name, goal after the step, column of the state, value of the column before and after the step, judged seconds.
+# Maps a name to: the goal after the step, the column of the state that should follow it, the column's value before and after the
+# step, and the seconds that are compared.
 STEPS = {
     "pitch, 20 degrees": ({"forward": 3.0}, 7, 0.0, np.radians(20.0), 0.6),
     "velocity, 0.5 m/s": ({"forward": 0.5}, 3, 0.0, 0.5, 8.0),

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Calls the controller with 4000 states and set-points from an integer generator. Prints a checksum (FNV-1a) of the
-// bits of all outputs. This file is compiled for the chip and for the host.
+// Calls the controller with 4000 random states and set-points. The random generator uses integers, so chip and host get
+// the same values. Prints a checksum (FNV-1a) of the bits of all outputs. This file is compiled for the chip and for
+// the host.
 #include "crazyflie.h"
 
 #include <math.h>

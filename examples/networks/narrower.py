@@ -64,8 +64,8 @@ def windows(values, kernel, stride):
 
 
 def sums(number, layer, values):
-    """Returns the values of layer `number` before they are limited. For the first layer, returns the values after its pool, which
-    gives the same result."""
+    """Returns the values of layer `number` before they are limited. The first layer is pooled here, before its values are
+    limited: the order does not change the result of a maximum."""
     weights, biases = layer
     stride = STRIDES[number] if number < len(STRIDES) else 1
     result = windows(values, weights.shape[1], stride) @ weights.reshape(len(weights), -1).T + biases
@@ -90,7 +90,7 @@ def pictures_of(pixels):
 
 
 def drawn(values, number, kernel, random):
-    """Returns windows of layer `number` at random places, and the indices of the places."""
+    """Returns the inputs of layer `number` in windows of the kernel's size at random places, and the indices of these places."""
     stride = STRIDES[number] if number < len(STRIDES) else 1
     seen = windows(values, kernel, stride)
     places = random.integers(0, np.prod(seen.shape[:3]), min(SAMPLES, np.prod(seen.shape[:3])))
@@ -125,8 +125,8 @@ def chosen(seen, weights, keep):
 
 
 def fitted(seen, wanted, weights, limits):
-    """Fits weights and biases, starting from `weights`. A value beyond a limit counts as the limit. It is an error only if the
-    wanted value is within the limits."""
+    """Fits weights and biases, starting from `weights`. If an output and its wanted value are beyond the same limit, they count
+    as equal, because the layer limits its outputs."""
     seen = np.column_stack([seen, np.ones(len(seen))])
     prior = np.vstack([weights.reshape(len(weights), -1).T, (wanted - seen[:, :-1] @ weights.reshape(len(weights), -1).T).mean(axis=0)])
     gram = seen.T @ seen

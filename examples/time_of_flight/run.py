@@ -64,7 +64,8 @@ def check_flight(text, columns, summary):
     changes = [k for k in range(1, len(reported)) if reported[k] != reported[k - 1]]
     require(len(changes) > MEASUREMENTS // 2, f"the drone climbs, but only {len(changes)} different distances came")
     for k in changes:
-        # The distance was measured in one of the last steps. It is the world's output at the start of this step.
+        # The chip reports the world's output at the start of the step in which the sensor measured. This is one of the last three
+        # rows before row k.
         candidates = [round(below[i], 3) for i in range(max(0, k - 3), k)]
         require(any(abs(reported[k] - candidate) < 1e-9 for candidate in candidates),
                 f"row {k}: the chip reported {reported[k]} m, the world was at {candidates} m")

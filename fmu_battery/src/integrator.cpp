@@ -16,8 +16,8 @@
 namespace mebots::battery {
 namespace {
 
-// Elements of the vector that SUNDIALS integrates. The energies start at zero in every piece, so that error control is
-// relative to the energies of the piece.
+// Elements of the vector that SUNDIALS integrates. The duration of a step is integrated in one or more pieces. The
+// energies start at zero in each piece, so that error control is relative to the energies of this piece.
 enum Index : int {
   kSoc,
   kPair1,
@@ -36,11 +36,11 @@ enum Index : int {
 constexpr double kSocTolerance = 1e-12;
 constexpr double kVoltageTolerance = 1e-10;
 constexpr double kEnergyTolerance = 1e-10;
-// Limits of the solver's steps in a piece, and of the evaluations in a call of advance(). The last piece may exceed the
-// second limit.
+// Limits of the solver's steps in one piece, and of the evaluations of the right-hand side in one call of advance().
+// The second limit is checked after each piece, but not after a successful last piece.
 constexpr long kMaxSteps = 1'000'000;
 constexpr long kMaxEvaluations = 5 * kMaxSteps;
-// If a piece cannot be integrated, a piece of a tenth of its length is tried. If that piece is shorter than
+// If a piece cannot be integrated, the next attempt uses a piece of a tenth of its length. If that length is below
 // kShortestPiece [s], the integration fails.
 constexpr double kPieceFactor = 10;
 constexpr double kShortestPiece = 1e-15;
@@ -174,7 +174,8 @@ class Integrator::Solver {
     y[kSoc] = state.soc;
     y[kPair1] = state.pair1_v;
     y[kPair2] = state.pair2_v;
-    // Restarts the solver, so that the result does not depend on earlier calls. The first step is the whole piece.
+    // Restarts the solver, so that the result does not depend on earlier calls. The solver first tries
+    // one step for the whole piece.
     check(ERKStepReInit(memory_, &Solver::right_hand_side, 0, y_), "ERKStepReInit");
     if (fixed_step_s_ == 0) check(ERKStepSetInitStep(memory_, piece_s), "ERKStepSetInitStep");
     check(ERKStepSetStopTime(memory_, piece_s), "ERKStepSetStopTime");

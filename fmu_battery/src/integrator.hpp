@@ -106,7 +106,7 @@ class Integrator {
   /// unchanged.
   Result advance(CellState& state, Ledger& ledger, const Demand& demand, Protection protection, double duration_s);
 
-  /// Returns the number of evaluations of the right-hand side since construction.
+  /// Returns how many times the right-hand side of the cell's equations has been evaluated since construction.
   long evaluations() const;
 
  private:

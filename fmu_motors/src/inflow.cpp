@@ -25,7 +25,7 @@ double Inflow::induced_velocity() const {
   const double square = hover_velocity() * hover_velocity();
   if (square == 0) return 0;
   const double climb = climb_within_theory(*this);
-  // Bisects, because the left side of the equation rises with v_i.
+  // Bisects, because v_i sqrt(V^2 + (V_c + v_i)^2) rises with v_i.
   double low = std::max(0.0, -climb);
   double high = std::sqrt(square) + std::abs(climb);
   for (int i = 0; i < 60; ++i) {

@@ -123,8 +123,9 @@ double Model::supply_voltage_v(const Inputs& inputs) const {
          (1 + bus_resistance_ohm_ * all.conductance_s);
 }
 
-/// Warns if battery and motors do not step at the same time, so that bus.voltage already contains the sag of the last
-/// step's surge. This is assumed if bus.voltage has fallen by at least half of this sag.
+/// Warns once if bus.voltage already contains the voltage drop due to the last step's increase of the current. This
+/// happens if battery and motors do not step at the same time. It is assumed if bus.voltage has fallen by at least half
+/// of that voltage drop.
 void Model::warn_of_double_sag(double bus_v) {
   const double surge_a = last_current_a_ - earlier_current_a_;
   const bool is_surge = earlier_current_a_ < kEarlierShare * last_current_a_;
@@ -153,8 +154,9 @@ RotorDrive Model::drive_of(const Inputs& inputs, double supply_v, std::size_t i)
   return drive;
 }
 
-/// Returns the electrical power of the inflow in addition to that of hovering, for the driven rotors and their thrust
-/// at the end of the step. The power of the air is divided by the efficiency of propeller and motor.
+/// Returns the electrical power due to the air flow through the driven rotors, minus that of hovering with the same
+/// thrust. The thrust is that at the end of the step. The power of the air is divided by the efficiency of propeller
+/// and motor.
 double Model::inflow_power_w(const Inputs& inputs) const {
   const double coefficient = rotor_.thrust_coefficient_at(inputs.air_density_kg_per_m3);
   double power_w = 0;

@@ -21,8 +21,9 @@ struct RotorStep {
 
 /// Advances one rotor by `duration_s`, in closed form without a step size. The electrical power is
 /// P = max(0, a w + b F + J w dw/dt)
-/// The first two terms are the power on the bench at that speed, and the third is the power into the rotor's inertia. A
-/// decelerating rotor covers part of its losses with its kinetic energy, but never supplies the bus.
+/// with the speed w, power_per_speed a, power_per_thrust b, the thrust F and the inertia J. The first two terms are the
+/// power on the bench at that speed, and the third is the power into the rotor's inertia. A decelerating rotor covers
+/// part of its losses with its kinetic energy, but never supplies the bus.
 RotorStep advance_rotor(const RotorData& rotor, const RotorDrive& drive, double speed_rad_per_s, double duration_s);
 
 }  // namespace mebots::motors

@@ -65,7 +65,8 @@ void read_table_form(data::Object& object, RotorData& rotor) {
   object.read("power_per_thrust", rotor.power_per_thrust_w_per_n, quantity("W/N", Limits::positive()));
 }
 
-/// Reads the member `motor`, which determines speed and power. Keys of the table form must be absent.
+/// Reads the member `motor`, which determines speed and power. If a key of read_table_form() is also present, reports a
+/// mistake, because `motor` already determines its quantity.
 void read_motor_form(data::Object& object, RotorData& rotor) {
   object.visit("motor", [&](const data::Node& node) {
     data::Object member(node);

@@ -52,7 +52,8 @@ struct RotorData {
   }
 };
 
-/// Position of each quantity in its interval in the file: -1 and 1 are the ends, 0 is the nominal value.
+/// Position of each quantity in its interval in the rotor file: -1 and 1 are the ends of the interval, 0 is the nominal
+/// value.
 struct RotorPositions {
   double thrust = 0;  // for thrust_coefficient; torque and power at a speed do not change
   double power = 0;   // for power_factor

@@ -21,7 +21,7 @@ double draw(std::int32_t seed, const DrawKey& key, std::uint64_t part) {
   for (const auto word : {static_cast<std::uint64_t>(key.purpose), key.from, key.to, key.event, part}) {
     bits = mixed((bits ^ word) + kStep);
   }
-  // Returns the middle of one of 2^53 equal cells, which is neither 0 nor 1.
+  // Returns the middle of one of 2^53 equal parts of [0, 1], so that the result is neither 0 nor 1.
   return (static_cast<double>(bits >> 11U) + 0.5) * 0x1p-53;
 }
 

@@ -39,7 +39,8 @@ TEST(Cell, ScaledCellsKeepTheTimeConstantsOfThePublishedCell) {
   const Circuit published = cell_named("chen_rincon_850").circuit_at(0.5);
   for (const char* name : {"bitcraze_250", "ufx_250", "cyclone_300", "lipol_350"}) {
     const Circuit scaled = cell_named(name).circuit_at(0.5);
-    // The file contains the two factors with six decimals.
+    // The tolerances cover the rounding of resistance_factor and capacitance_factor, which have six decimals in the
+    // cell files.
     EXPECT_NEAR(scaled.pair1_ohm * scaled.pair1_farad, published.pair1_ohm * published.pair1_farad, 1e-4);
     EXPECT_NEAR(scaled.pair2_ohm * scaled.pair2_farad, published.pair2_ohm * published.pair2_farad, 1e-3);
   }

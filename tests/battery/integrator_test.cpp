@@ -30,7 +30,7 @@ TEST(Integrator, RestingPairsDecayExponentially) {
   CellState state{0.8, 0.12, 0.15};
   Ledger ledger;
   for (int i = 0; i < 30; ++i) integrator.advance(state, ledger, {}, Protection::closed, 1.0);
-  // The tolerance is relative 1e-9 per step of 1 s, for 30 s.
+  // The integrator's relative tolerance is 1e-9 in each of the 30 calls.
   EXPECT_NEAR(state.pair1_v, 0.12 * std::exp(-30.0 / 20), 1e-9);
   EXPECT_NEAR(state.pair2_v, 0.15 * std::exp(-30.0 / 180), 1e-9);
   // The energy from the capacitors equals the heat in the resistors parallel to them.
@@ -110,7 +110,8 @@ TEST(Integrator, CutOffIsLocatedWhereTheVoltageCrosses) {
   const Circuit c = cell.circuit_at(state.soc);
   const double source_v = c.open_circuit_v - state.pair1_v - state.pair2_v;
   const double voltage_v = source_v - c.series_ohm * terminal_current_a(source_v, c.series_ohm, 9);
-  // The interpolant between two steps, which locates the event, has order three.
+  // The integrator finds the time of the cut-off with an interpolant of order three between two of its steps, so the
+  // voltage is less exact than at a step.
   EXPECT_NEAR(voltage_v, cell.cut_off_voltage_v, 1e-6);
   CellState slow{0.12, 0.05, 0.05};
   double passed_s = 0;

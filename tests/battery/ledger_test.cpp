@@ -40,7 +40,8 @@ TEST(Ledger, ClosesOverAFlightWithChangingLoadsAndASource) {
   EXPECT_GT(out.energy_polarisation_j, 0.1);
   EXPECT_GT(out.energy_self_discharge_j, 0);
   EXPECT_GT(out.energy_source_j, 10);
-  // The Runge-Kutta method conserves the sum exactly, because its rate is zero. Only rounding errors remain.
+  // The time derivative of the ledger's balance is zero, so the Runge-Kutta method conserves the balance. Only rounding
+  // errors remain.
   EXPECT_NEAR(out.energy_imbalance_j, 0, 1e-10 * out.energy_open_circuit_j);
 }
 

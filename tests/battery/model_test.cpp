@@ -95,7 +95,8 @@ TEST(Battery, StepLengthDoesNotMatterWhenInputsAreHeld) {
   };
   const Outputs fine = run(2 * kMillisecond);
   const Outputs coarse = run(kSecond);
-  // There are at most 5000 steps with tolerances of 1e-10 V and 1e-9 (relative).
+  // The tolerances cover the errors of at most 5000 steps, each of which has the tolerances 1e-10 V and 1e-9
+  // (relative).
   EXPECT_NEAR(fine.bus_voltage_v, coarse.bus_voltage_v, 1e-8);
   EXPECT_NEAR(fine.cell_state_of_charge, coarse.cell_state_of_charge, 1e-9);
   EXPECT_NEAR(fine.energy_ohmic_j, coarse.energy_ohmic_j, 1e-7);

@@ -245,7 +245,7 @@ TEST(Charging, AnEmptyCellIsReleasedWhenTheClosedFormSays) {
   EXPECT_NEAR(reached_s, release_s, 1e-6 * release_s);
   EXPECT_NEAR(2.5 + 1.7 * state.soc, release_e, 1e-7);
   EXPECT_NEAR(ledger.source_j, kPower_w * reached_s, 1e-9);
-  // The expected value is the negative integral of E ds times Q, which also has a closed form.
+  // The expected energy is -Q times the integral of E ds, with Q = 100 C and E = 2.5 V + 1.7 V s.
   EXPECT_NEAR(ledger.open_circuit_j, -100 * (2.5 * state.soc + 1.7 * state.soc * state.soc / 2), 1e-7);
   EXPECT_NEAR(ledger.imbalance_j(), 0, 1e-10 * ledger.source_j);
 }

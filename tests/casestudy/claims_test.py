@@ -38,7 +38,7 @@ def flown(flight, place=PLACE):
 
 
 class Batteries(unittest.TestCase):
-    """In the first ten seconds of the endurance flights, a cell's charge depends on mass and capacity."""
+    """Tests how the charge used in the first ten seconds of the endurance flights depends on a cell's mass and capacity."""
 
     HOVER_S = 10.0
 
@@ -77,7 +77,7 @@ class EasyFlight(unittest.TestCase):
         for consumer in ("motors", "chip", "camera", "converters", "cell"):
             self.assertGreater(phases["cruise"][consumer], 0)
         everything = sum(sum(consumers.values()) for consumers in phases.values())
-        # The table omits self-discharge and the time before the first sample.
+        # `phases` omits self-discharge and the time before the first sample.
         self.assertAlmostEqual(everything / summary["energy"]["open_circuit"], 1, delta=1e-3)
 
 
@@ -120,7 +120,7 @@ class HardMission(unittest.TestCase):
         self.assertFalse(summary["gate"]["touched"])
         self.assertLess(abs(summary["lateral_error"]), 0.1)
         flying = trace["world.drone.phase"] == CRUISE
-        # Each period of the camera has a picture, because an inference takes less time than the period.
+        # The firmware takes a picture in each frame period of 33 ms, because an inference takes less time than the period.
         self.assertGreater(summary["pictures"], 0.95 * flying.sum() * 0.1 / 0.033)
         asked = trace["soc.setpoint.velocity.x"][flying]
         self.assertAlmostEqual(asked.max(), 1.0 * KM_H, delta=1e-4)
@@ -131,8 +131,8 @@ class SecondChip(unittest.TestCase):
     """Tests the study on board gap8_drone."""
 
     PLACE = dataclasses.replace(PLACE, results=PLACE.results / "gap8_drone", chip="gap8_drone")
-    # The read-out time is the number of sensor rows up to the window's last row, times the clocks per row, divided by
-    # the clock.
+    # The read-out time is the number of sensor rows up to the last row that the camera interface passes, times the clocks per
+    # row, divided by the clock.
     READ_OUT_S = 322 * 376 / 6e6
 
     def test_a_flight_is_that_of_the_other_chip_with_what_the_shipped_mission_changes(self):

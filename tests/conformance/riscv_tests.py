@@ -37,7 +37,7 @@ def flags(isa, suite):
 
 
 def judge(folder, soc, work, each):
-    """Returns the verdicts of all tests. `each` maps a function over the tests."""
+    """Returns the verdicts of all tests. `each(function, tests)` must return a list with the function's result for each test."""
     top = checkout(folder, "riscv-tests", ADDRESS)
     isa, env = top / "isa", environment(folder)
     tests = [(suite, name) for suite in SUITES for name in names(isa / suite)]

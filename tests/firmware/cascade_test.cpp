@@ -4,8 +4,9 @@
 // (pid_controller.c, in floats) and fmu_world's stabiliser.controller = crazyflie (in doubles).
 //
 // The two cascades give different commands, because they differ in position control, loop period, filter and constants.
-// The class Cascade below is a reference in doubles. With the settings of one of the two, it must give the same
-// commands as that one. So all differences come from the settings. The test prints how much each setting contributes.
+// The class Cascade below is a reference in doubles. With the firmware's settings, it must give the firmware's
+// commands. With fmu_world's settings, it must give fmu_world's commands. So all differences come from the settings.
+// The test prints how much each setting contributes.
 #include "crazyflie/controller.hpp"
 #include "flight/controller.h"
 
@@ -85,8 +86,8 @@ constexpr Settings kCrazyflie{
     .rate_filter = 1,
     .period_ms = 2};
 
-/// The state of the drone at a time: roll, yaw, height and velocities with their derivatives. Pitch is 0, because it
-/// mirrors roll.
+/// The state of the drone at a time: roll, yaw, height and velocities with their derivatives. Pitch is always 0,
+/// because the controllers treat pitch and roll alike.
 struct Sample {
   double roll, yaw;
   double roll_rate, yaw_rate;  // of the body
@@ -144,7 +145,8 @@ class Cascade {
     const double wanted_climb = height_.update(kHeight - now.height, now.height, kDt);
     const double c = std::cos(now.yaw);
     const double s = std::sin(now.yaw);
-    // Wanted and measured velocities in the heading frame. The world frame's axes are those of yaw = 0.
+    // Errors of the velocity (wanted minus measured) in the heading frame. `now` contains the measured velocity in the
+    // world frame, whose axes are those of yaw = 0.
     const double forward = kForward - (c * now.forward + s * now.left);
     const double left = -(c * now.left - s * now.forward);
     wanted_pitch_ = std::clamp(velocity_x_.update(forward, 0, kDt), -s_.most_tilt, s_.most_tilt);

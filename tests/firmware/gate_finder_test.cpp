@@ -213,8 +213,8 @@ TEST(GateFinder, PutsADrawnFrameOfAnySizeWhereItIs) {
     const auto pixels = drawn_frame(150, 165, border);
     gate_view_t view{};
     ASSERT_TRUE(find_gate(pixels.data(), 320, 320, &view));
-    // The tolerance is two work pixels of two pixels each: one for rounding, and one because the template matches at
-    // several places.
+    // The tolerance is two work pixels, each as wide as two camera pixels. One is for rounding. The other is needed
+    // because the template matches at several places.
     EXPECT_NEAR(view.center_x_q4 / 16.0, 150, 4.0);
     EXPECT_NEAR(view.center_y_q4 / 16.0, 165, 4.0);
     // The template's border is a whole number of work pixels, so it matches gates of several sizes.

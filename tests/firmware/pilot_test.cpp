@@ -110,8 +110,8 @@ TEST(Pilot, FliesStraightThroughAGateThatLeftTheViewAndIsDoneBehindIt) {
       ASSERT_EQ(command.yaw_rate_urad_s, 0);
     }
   }
-  // The drone stops half a metre beyond the plane. The tolerance is the way in one and a half periods: rounding and the
-  // start.
+  // The drone stops half a metre beyond the plane. The tolerance covers rounding and the start of the motion. It is the
+  // distance flown in one and a half frame periods.
   EXPECT_NEAR(flown_m, 0.8 + 0.5, 0.045);
   EXPECT_EQ(see(pilot, 1, kNothing, kCruise).velocity_um_s, 0);
 }

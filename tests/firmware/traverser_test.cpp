@@ -54,8 +54,8 @@ End judge(const world::scene::Gate& gate, const BodyPose& pose) {
   const double across = std::abs(pose.p_WB_m.y() - gate.p_W_m.y());
   const double up = std::abs(pose.p_WB_m.z() - gate.p_W_m.z());
   const double angle = std::remainder(pose.yaw_rad - gate.yaw_rad, 2.0 * M_PI);
-  // For a rotated body, the width is that between its corners, because a corner enters the space between the beams
-  // first.
+  // `half` is half the width that the rotated body needs between the beams: one of its corners enters the space between
+  // them first.
   const double half =
       kHalfDrone_m * (std::cos(angle) + std::abs(std::sin(angle))) + 0.5 * gate.thickness_m * std::abs(std::tan(angle));
   if (across > 0.5 * gate.inner_m || up > 0.5 * gate.inner_m) return End::missed;
@@ -100,7 +100,7 @@ End fly(const world::scene::Scene& scene, const Start& start, std::uint64_t seed
   return End::lost;
 }
 
-/// Returns the number of clean flights among 200, and prints the others.
+/// Returns how many of 200 flights passed without touching a frame, and prints the number of flights with each outcome.
 int clean_of_200(const char* what, const world::scene::Scene& scene, const std::function<Start(Uniform&)>& draw) {
   constexpr int kFlights = 200;
   std::array<int, 4> ends{};

@@ -202,8 +202,8 @@ TEST(ElectricMotor, BusResistanceTakesTheSurgeOfTheFirstStepOff) {
     held.step();
     sagging.step();
   }
-  // At standstill, four motors have a conductance of 1.46 S, so the voltage is 3.32 V and the power 17.5 W with the
-  // loss by the ripple. At a constant 4.1 V, the power would be 26.5 W.
+  // At standstill, four motors have a conductance of 1.46 S, so the voltage is 3.32 V. The power is 17.5 W, including
+  // the loss due to the current ripple. At a constant 4.1 V, the power would be 26.5 W.
   EXPECT_GT(held.greatest_w, 25);
   EXPECT_LT(held.least_v, 2.8);
   EXPECT_NEAR(sagging.greatest_w, 17.5, 0.5);

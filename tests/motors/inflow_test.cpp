@@ -25,7 +25,7 @@ TEST(Inflow, HoverIsFroudesVelocity) {
 }
 
 TEST(Inflow, ClimbFollowsTheClosedForm) {
-  // v_i^2 + V_c v_i = v_h^2.
+  // In vertical flight, v_i solves v_i^2 + V_c v_i = v_h^2.
   const double v_h = at(0, 0).hover_velocity();
   for (const double climb : {-4.0, -1.0, 0.5, 3.0}) {
     EXPECT_NEAR(at(0, climb).induced_velocity(), -0.5 * climb + std::sqrt(0.25 * climb * climb + v_h * v_h),

@@ -35,7 +35,8 @@ TEST(RotorData, ThrustCoefficientIsTheLeastSquaresFitOfTheBench) {
 }
 
 TEST(RotorData, PowerIsTheLeastSquaresFitOfTheBench) {
-  // Normal equations of P = a w + b F over all rows, where P is without the avionics' power.
+  // Normal equations of the least-squares fit P = a w + b F to all rows: speed w, thrust F and power P of one rotor. P
+  // excludes the avionics' power.
   double ww = 0;
   double wf = 0;
   double ff = 0;

@@ -15,7 +15,7 @@ double bench_power_w(const RotorData& rotor, double speed) {
          rotor.power_per_thrust_w_per_n * rotor.thrust_coefficient * speed * speed;
 }
 
-/// Returns the integral of max(0, P) by the trapezoidal rule. The speed is the closed form's.
+/// Returns the integral of max(0, P) by the trapezoidal rule. P follows from the speed of the closed form.
 double numerical_energy_j(const RotorData& rotor, const RotorDrive& drive, double initial, double duration_s) {
   const double u = drive.steady_speed_rad_per_s;
   const SpeedLaw& law = initial > u ? rotor.spin_down : rotor.spin_up;
@@ -41,8 +41,8 @@ TEST(Rotor, EnergyIsTheIntegralOfThePowerUpDownAndThroughZero) {
          {std::pair{0.0, 2000.0}, {1900.0, 2000.0}, {2500.0, 2000.0}, {2500.0, 300.0}}) {
       const RotorDrive drive{steady, k, true};
       const double expected_j = numerical_energy_j(rotor, drive, initial, 0.2);
-      // The tolerance is the error of the trapezoidal rule with steps h = 1 us, about (k h)^2 / 12, and its error at
-      // one kink.
+      // The tolerance covers two errors of the trapezoidal rule with steps of h = 1 us: about (k h)^2 / 12 for a decay
+      // rate k of the speed, and the error at the time at which the power becomes 0.
       EXPECT_NEAR(advance_rotor(rotor, drive, initial, 0.2).energy_j, expected_j, 1e-8 * std::max(expected_j, 0.1))
           << initial << " to " << steady << ", inertia x " << inertia_factor;
     }

@@ -43,7 +43,8 @@ TEST(SpeedCourse, AgreesWithNumericalIntegrationUpAndDown) {
       const double time_s = 0.3;
       const SpeedCourse course(law, initial, steady);
       const auto expected = integrate(law, initial, steady, time_s, 3000);
-      // k h is about 1e-3, so the error of the Runge-Kutta method is about the rounding error.
+      // The decay rate of the speed times the step is about 1e-3. Therefore the error of the Runge-Kutta method is
+      // about the rounding error.
       EXPECT_NEAR(course.speed(time_s), expected[0], 1e-9 * 2500);
       EXPECT_NEAR(course.speed_integral(time_s), expected[1], 1e-9 * 2500 * time_s);
       EXPECT_NEAR(course.speed_squared_integral(time_s), expected[2], 1e-9 * 2500 * 2500 * time_s);

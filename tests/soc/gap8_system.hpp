@@ -27,8 +27,8 @@ class Gap8System : public BoardSystem {
   }
 };
 
-/// Vectors and start code. The fabric controller continues after it, the cluster's cores jump to `core`, and exceptions
-/// to `fault`.
+/// Interrupt vectors and start code. The fabric controller continues after this code. The cluster's cores jump to
+/// `core`, and exceptions to `fault`.
 inline constexpr std::string_view kBegin = R"(
     .balign 256
 vectors: j fault

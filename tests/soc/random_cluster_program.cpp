@@ -100,7 +100,8 @@ class ClusterAuthor : RandomText {
     }
   }
 
-  /// Returns a random instruction word of one of the rows. It writes only registers that may be changed.
+  /// Returns a random instruction word of one of the rows. Its destination is one of kNumbers. Loads and stores use s6
+  /// as pointer.
   std::string xpulp(const std::vector<const Encoding*>& rows) {
     for (;;) {
       const auto& row = *rows[below(static_cast<unsigned>(rows.size()))];
@@ -217,7 +218,7 @@ class ClusterAuthor : RandomText {
                        body, label);
   }
 
-  /// Returns code that other cores change: a word, or two halves of a word.
+  /// Returns code that other cores change: a 32-bit instruction, or two compressed instructions.
   std::string slot() {
     if (below(2) == 0)
       return fmt::format("    .option push\n    .option norvc\n.Lword{}: addi a0, a0, 1\n    .option pop\n", words_++);

@@ -31,8 +31,8 @@ std::ostream& operator<<(std::ostream& out, const Measured& value) {
 
 using Table = std::vector<std::pair<std::string, Measured>>;  // names and values in the order of the programs
 
-/// Returns the reference of a core from micro.csv. Its columns are the name; then instructions, cycles and both per
-/// repetition for CV32E40P; then the same for RI5CY.
+/// Returns the reference of a core from micro.csv. The columns are: name; four values of CV32E40P; the same four values
+/// of RI5CY. The four values are instructions, cycles, and both divided by the number of repetitions.
 Table reference(CoreKind kind) {
   const auto first = kind == CoreKind::cv32e40p ? 1U : 5U;
   std::ifstream file(MEBOTS_RTL_DIR "/micro.csv");

@@ -223,7 +223,7 @@ TEST(ClusterProfile, IsTheSameForTranslatedAndInterpretedCode) {
   }
 }
 
-/// Observers that are attached only at times must not change the chip's state. The state includes the instruction
+/// Attaching and detaching observers during a run must not change the chip's state. The state includes the instruction
 /// cache, banks, DMA, and the arbitration at devices.
 TEST(ClusterObservers, ComeAndGoWithoutChangingABitOfTheRun) {
   struct Case {

@@ -158,7 +158,8 @@ _start: .loc 1 10
 }
 
 TEST(Coverage, OfALineThatEndsBeyondAllCodeEndsWithTheProgram) {
-  // A line table by DWARF 5, section 6.2, in the form of version 2: line 1 reaches from _start to the last address.
+  // A line table of DWARF version 2, encoded as DWARF 5, section 6.2, describes. Line 1 reaches from _start to the last
+  // address.
   constexpr std::string_view kDamaged = R"(
 _start: la t0, tohost
     li t1, 1

@@ -462,8 +462,8 @@ TEST_F(Gdb, AReplayPrintsNothingAgainAndAChangeEndsTheHistory) {
   EXPECT_EQ(run.exit_code, 1) << run.err;
 }
 
-/// A saved place belongs to the run without the change. It must not be restored in the changed run, although the count
-/// of instructions is the same there.
+/// The place was saved before gdb changed s1, so it belongs to the unchanged run. It must not be restored in the
+/// changed run, although the count of instructions is the same there.
 TEST_F(Gdb, AChangeMakesSavedPlacesUnreachable) {
   const Debugged run(
       "break *early\nbreak *late\ncontinue\ncontinue\nmonitor save place\nreverse-continue\nset var $s1 = 99\n"

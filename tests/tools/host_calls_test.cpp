@@ -110,8 +110,9 @@ TEST(Semihosting, CostsNoTimeAndCountsNoInstruction) {
   EXPECT_EQ(std::stoi(counts(calls.out).substr(13)) + 1, std::stoi(counts(plain.out).substr(13)));
 }
 
-/// Returns a program that prints "Wow!" to the console of riscv-isa-sim. Bit 0 of each character is set, as in a value
-/// that ends a program. The command is in t0 and t1, and the code `store` stores it.
+/// Returns a program that prints "Wow!" to the console of riscv-isa-sim. Each character is odd, like a value that ends
+/// a program; the store must nevertheless print it. `store` is code that stores the command into tohost: the low word
+/// is in t0, the high word in t1.
 std::string console_program(std::string_view store) {
   return fmt::format(R"(
 _start: la s0, text

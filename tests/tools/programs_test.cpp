@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests programs of users: system calls, own RAM or boards, and a console. Also tests messages and limits that end
-// programs.
+// Tests how mebots-soc runs users' programs: system calls, RAM or a board that the user defines, and a console. Also
+// tests messages, and limits that end programs.
 #include "support.hpp"
 
 #include <fmt/format.h>
@@ -156,8 +156,8 @@ failed: call 93, 0
     .balign 8
 time: .space 32)";
   const auto run = run_user(program);
-  // An addition and a taken branch take 1 and 3 cycles of 10 ns. 100 000 iterations take 4 ms, which is 62 units of 64
-  // us.
+  // An addition and a taken branch take 1 and 3 cycles of 10 ns. 100 000 iterations take 4 ms. The program divides the
+  // microseconds by 64: 4000 / 64 = 62.
   EXPECT_EQ(run.exit_code, 62);
   EXPECT_EQ(run_user(program).exit_code, 62);
 }

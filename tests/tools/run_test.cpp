@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests `mebots-soc run` as a user calls it: output, place of the end, and exit code.
+// Tests `mebots-soc run` as a user calls it: its output, the instruction at which the program ends, and the exit code.
 #include "support.hpp"
 
 #include <fmt/format.h>
@@ -81,7 +81,7 @@ TEST(Run, EndsAtTheStoreThatSetsBit0OfTohostHoweverItIsDone) {
   ends_after("slli t1, t1, 16\nsw t1, -2(t0)", 5, 2);  // across the start of tohost: the upper half is tohost's low
                                                        // half
   ends_after("sw t1, -2(t0)\nsw t1, 0(t0)", 5, 2);     // the upper half is 0, so it is not an end
-  // The program stores into the high word, so that byte 3 becomes 0.
+  // The misaligned store writes 0 into byte 3 of tohost, and the value into the high word.
   ends_after("slli t1, t1, 8\nsw t1, 3(t0)\nsrli t1, t1, 8\nsw t1, 0(t0)", 7, 2);
 }
 

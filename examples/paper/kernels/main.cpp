@@ -24,7 +24,8 @@ struct OperatingPoint {
   double fabric_hz;
 };
 
-/// The interval at which the energy is read. It limits the error of the total energy of all inferences.
+/// Interval between two reads of the chip's energy [ns]. It limits the error of the energy of the inferences, which
+/// begin and end within such intervals.
 constexpr std::int64_t kLookNs = 5'000;
 
 void measure(const OperatingPoint& point, const std::string& board_path, const mebots::soc::Elf& program) {

@@ -24,9 +24,9 @@ def plain(outcome):
 
 
 def of_targets(first, second):
-    """Returns two lists. The first list, with the bench's motors, contains (target, what, the paper's value, the first chip's,
-    the second chip's). The second list contains (target, what, reading, the first chip's, the second chip's) for the other
-    readings."""
+    """Returns two lists. The first list, with the bench's motors, contains (target, quantity, the paper's value, value with the
+    first chip, value with the second chip). The second list contains (target, quantity, label of the entry of READINGS, value
+    with the first chip, value with the second chip)."""
     pairs = list(zip(targets.rows(first), targets.rows(second), strict=True))
     bench = [(a.target, a.what, a.paper, a.texts()[0], b.texts()[0]) for a, b in pairs]
     read = [(a.target, a.what, READINGS[name][0], of_first, of_second) for a, b in pairs
@@ -36,7 +36,8 @@ def of_targets(first, second):
 
 
 def targets_apart(first, second):
-    """Returns, for each unit, the largest difference between the chips in a target, and the name of this target."""
+    """Returns {unit: (difference, quantity)} for the units s and %: the largest difference between the two chips over all rows of
+    the table of targets, and the quantity of this row."""
     apart = dict.fromkeys(("s", "%"), (-1.0, ""))
     for a, b in zip(targets.rows(first), targets.rows(second), strict=True):
         units = [after.strip(" ,") for after in re.findall(r"{[^}]*}( [^ ,]*)?", a.form)]

@@ -65,7 +65,7 @@ def life(summary):
 
 
 def lives(summaries, motors):
-    """Returns {battery: {hover, cruise, empty: life}}."""
+    """Returns {battery: {kind of endurance flight (hover, cruise, empty): result of life()}}."""
     return {battery: {kind: life(summaries[named(motors, f"endurance-{battery}-{kind}")])
                       for kind in ("hover", "cruise", "empty")} for battery in BATTERIES}
 
@@ -77,9 +77,9 @@ def last_seconds(summary):
 
 
 def readings(fmu, summaries):
-    """Returns results of the battery's FMU with the paper's motors: seconds of hovering until 10 % are left {battery: {reading:
-    s}}, and the hard flights' charge at the gate and at the end {speed: {reading: %}}. Also replays each hard flight's own loads,
-    and returns the largest difference from the flight's own charge [%]."""
+    """Returns results of the battery's FMU with the paper's motors, for each entry of READINGS: {battery: {entry: seconds of
+    hovering until 10 % are left}}, and {speed: {entry: charge of the hard flight at the gate and at the end [%]}}. Also replays
+    each hard flight's own loads, and returns the largest difference from the flight's own charge [%]."""
     battery = Battery(fmu)
 
     def hovering(name, kind="hover"):
@@ -230,8 +230,8 @@ def counted(ways, offsets):
 
 
 def start_rows(name, part):
-    """Returns (path, offset) of each flight from a random start. For older rows, which do not state whether the opening was
-    crossed, uses the position in the gate's plane."""
+    """Returns (path, offset) of each flight from a random start. If a stored flight does not state whether the drone crossed the
+    opening, derives this from the position in the gate's plane."""
     half = scene(scenario(name)["world.scene.name"])["gates"][0]["inner"] / 2
     return [({"crossed": offset is not None and abs(offset) < half, **way}, offset)
             for way, offset in zip(part["ways"], part["lateral_m"])]

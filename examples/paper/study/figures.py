@@ -132,7 +132,7 @@ def clocks(rows):
 
 def chips(both):
     """Draws the chip's mean energy up to the gate, with one plot for eight cores and one for one core. `both` is {chip: (rows,
-    tolerance)}. The tolerance is a pair of shares; checks against silicon determine it.
+    tolerance)}. The tolerance is the least and the greatest energy relative to the computed energy, from checks against silicon.
     """
     figure, plots = plt.subplots(1, 2, figsize=(8, 3.4), constrained_layout=True, sharey=True)
     for axes, cores in zip(plots, (8, 1)):
@@ -179,8 +179,8 @@ def starts(part, name):
 
 
 def crossings(axes, part, gate):
-    """Draws a histogram of the places where the centre crossed the plane, measured to the left from the gate's centre: flights
-    per centimetre."""
+    """Draws a histogram of the places at which the drone's centre crossed the gate's plane: flights per centimetre to the left of
+    the gate's centre."""
     half = gate["inner"] / 2
     places = [100 * x for x in part["lateral_m"] if x is not None and abs(x) < gate["outer"]]
     low, high = min([*places, -100 * half]) - 2, max([*places, 100 * half]) + 2

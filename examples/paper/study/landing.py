@@ -25,7 +25,8 @@ def opening_charge(summary):
 
 
 class Search:
-    """Searches the lowest landing charge of a cell with a motor model. Changes the charge by one STEP per flight."""
+    """Searches the lowest charge from which a landing succeeds, for one cell and one motor model. Changes the charge by one STEP
+    per flight."""
 
     def __init__(self, motors, battery, empty):
         self.motors, self.battery = motors, battery

@@ -29,7 +29,8 @@ FIRST_CHIP, SECOND_CHIP = CHIPS  # the report is about the first chip and compar
 SHIPPED = ("gate_easy", "gate_hard")
 LENS = "world.camera.field_of_view"
 
-# The motor models of the flights. The effects of the paper's other omissions are computed from the loads of a flight (replay.py).
+# The motor models of the flights. The paper also omits the flight controller's power and the cell's resistance; replay.py
+# computes their effects from the loads of a flight.
 MOTORS = {"bench": "bench motors", "paper": "paper's motors"}
 
 
@@ -56,8 +57,7 @@ def shipped(name, chip):
 
 
 def lens(field_of_view, chip):
-    """Converts a field of view [rad] of the shipped mission with the first chip to the corresponding field of view with this
-    chip."""
+    """Converts the field of view [rad] of a shipped mission with the first chip to that of the same mission with this chip."""
     def of(name, on):
         return shipped(name, on)["instances"]["world"]["parameters"].get(LENS.removeprefix("world."))
     return {of(name, FIRST_CHIP): of(name, chip) for name in SHIPPED}[field_of_view]
@@ -124,7 +124,8 @@ CHIP_PARTS = [f"soc.energy.{part}" for part in ("fabric_controller", "cluster_co
 
 
 def config(flight, chip):
-    """Returns the config of a flight: the config of the easy gate on this chip, with the flight's changes."""
+    """Returns the config of a flight: gate_easy for this chip, with the parameters, stop conditions and recorded variables of the
+    flight."""
     system = copy.deepcopy(shipped("gate_easy", chip))
     system["text"] = flight.name
     system["stop_time"] = flight.stop_time

@@ -41,8 +41,9 @@ def cell(name, resistance):
 
 
 def paper_power(trace, hover, cruise):
-    """Returns the power of the motors over a bench flight by the paper's model [W]. It consists of a part for hovering, which two
-    flights determine, and a part proportional to speed. It is 0 while the motors are off."""
+    """Returns the motors' power over time by the paper's model [W], for a flight that was simulated with the bench's motors. It
+    consists of a part for hovering, which two flights determine, and a part proportional to speed. It is 0 while the motors are
+    off."""
     def settled(flight):
         chosen = flight["world.drone.phase"] == CRUISE
         half = chosen & (np.cumsum(chosen) > chosen.sum() / 2)

@@ -64,7 +64,7 @@ class Trace:
         return np.unique(np.linspace(first, len(self.time) - 1, points).astype(int))
 
     def way(self, points):
-        """Returns positions and speeds [km/h] at `points` times, rounded for the report."""
+        """Returns the drone's positions [m] and speeds [km/h] at `points` evenly spaced samples, rounded for the report."""
         chosen = self.thinned(points)
         way = {axis: np.round(self[f"world.drone.position.{axis}"][chosen], 3).tolist() for axis in "xyz"}
         if "world.drone.speed" in self.columns:

@@ -106,7 +106,8 @@ def check_published(count, place):
 
 
 def published_beside(chip):
-    """Returns the second chip's published data for the first chip's report. If other models were used, returns None."""
+    """Returns the second chip's published data for the first chip's report. If the data of the two chips are from different
+    models, returns None."""
     if chip != FIRST_CHIP:
         return None
     first, second = (json.loads(PUBLISHED[one].read_text()) for one in (FIRST_CHIP, SECOND_CHIP))
@@ -114,7 +115,7 @@ def published_beside(chip):
 
 
 def publish(chip, data, folder):
-    """Stores the results of a chip's flights and the report of both chips where the README shows them."""
+    """Stores the results of a chip's flights, the report of both chips (REPORT.md) and its figures in the repository."""
     PUBLISHED[chip].write_text(json.dumps(data) + "\n")
     folder.mkdir(exist_ok=True)
     report.write(json.loads(PUBLISHED[FIRST_CHIP].read_text()), folder, published_beside(FIRST_CHIP))

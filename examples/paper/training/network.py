@@ -40,7 +40,7 @@ OUTPUT_STEP = 1.0 / 127     # real value of one count of an output
 
 class Navigator(nn.Module):
     """The network in floating point, with batch normalisation. The input is pictures in grey levels minus 128. Returns the
-    outputs of each picture. A single output has no dimension of its own."""
+    outputs of each picture. If the network has one output, the result has only the dimension of the pictures."""
 
     def __init__(self, shape=NAVIGATOR):
         super().__init__()

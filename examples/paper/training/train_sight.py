@@ -21,9 +21,9 @@ BATCH = 64
 # The factor from the output `visible` to its logit. With this factor, an output of 0.5 is nearly certain.
 LOGIT = 6.0
 VISIBLE_WEIGHT = 0.08
-# The weight of the detection in clutter, where the main question is whether there is a gate.
+# Replaces VISIBLE_WEIGHT in the training with clutter, where the main question is whether there is a gate.
 CLUTTER_VISIBLE_WEIGHT = 0.15
-# The number of pictures of the first training in the training with clutter. With them, the network keeps its abilities.
+# The training with clutter also uses this number of pictures of the first training, so that the network keeps its abilities.
 KEPT = 10000
 
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Drives straight for the errand's distance in the direction of the start, and stops. Exit code 0: arrived; 2: the
+// Drives straight ahead for the distance of the parameter errand.distance, and stops. Exit code 0: arrived; 2: the
 // bumper was hit; 3: the wheels do not turn.
 #include "board.h"
 #include "drivers/timer.h"

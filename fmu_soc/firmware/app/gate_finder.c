@@ -52,9 +52,11 @@ typedef struct {
 
 // Match of a template with a frame, in sixteenths of a grey level. All values are 0 if there is no frame.
 typedef struct {
-  int weakest_q4;  // least contrast of the beams; ignores their least contrast with the surroundings
-  int sum_q4;      // sum of all positive contrasts
-  int spread_q4;   // brightness of the brightest beam minus that of the darkest beam
+  // Least contrast of a beam with the opening or with the surroundings. One beam may have less contrast with the
+  // surroundings.
+  int weakest_q4;
+  int sum_q4;     // sum of all positive contrasts
+  int spread_q4;  // brightness of the brightest beam minus that of the darkest beam
 } fit_t;
 
 // Returns the score of a frame, which is high if all beams contrast with their surroundings and have similar
@@ -85,7 +87,8 @@ static sizes_t sizes_of(int width, int height) {
   return sizes;
 }
 
-// Sums of grey levels of a beam and of the strips on both sides of the beam. All strips have the same area.
+// Sums of grey levels over a beam (one side of the frame) and over the strips on both sides of it. All strips have the
+// same area.
 typedef struct {
   int beam;
   int before;  // sum of the beam minus sum of the strip before it

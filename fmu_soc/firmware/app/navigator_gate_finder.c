@@ -5,7 +5,7 @@
 #include "app/gate_finder.h"
 #include "app/navigator.h"
 
-// Contrast of the weakest side that means full confidence [grey levels].
+// If the weakest side of the frame has this contrast [grey levels], the confidence is full.
 #define FULL_CONFIDENCE_CONTRAST 32
 
 navigator_output_t finder_navigate(const uint8_t* frame, int width, int height) {

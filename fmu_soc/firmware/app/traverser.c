@@ -22,10 +22,11 @@
 // no longer visible, it can only have left the picture.
 #define ENTERED_SIZE 76
 #define NEAR_SIZE 41
-// The distance to a real gate decreases by the flown distance. The computed distance assumes a frame of 0.6 m and the
-// longest lens: this distance decreases faster for a shorter lens or a smaller frame, and slower for a larger frame. If
-// the computed distance decreases by less than four fifths of the flown distance, the object is not a gate, or the
-// frame is too large: more than 0.75 m with the longest lens, or more than 1.6 m with a lens of 87 degrees.
+// The distance to a real gate decreases by the flown distance. The distance that is computed from a gate's size assumes
+// a frame of 0.6 m and the longest focal length. With a shorter focal length or a smaller frame, it decreases faster;
+// with a larger frame, it decreases slower. If the computed distance decreases by less than four fifths of the flown
+// distance, the object is not a gate, or the frame is too large: more than 0.75 m with the longest lens, or more than
+// 1.6 m with a lens of 87 degrees.
 #define LEAST_NEARER_PERCENT 80
 // Focal length divided by half the picture's width, in thousandths, for the longest lens with which the network was
 // trained (0.82 rad). Of all lenses, the longest gives the greatest distance for a size in the picture.
@@ -216,8 +217,8 @@ static traverser_command_t leave(traverser_t* t) {
 }
 
 // Updates the mean size. A gate grows by some hundredths per picture. Therefore a size above 1.5 times the mean counts
-// as 1.5 times the mean. A gate that is nevertheless entered too early is still crossed, because the drone flies an
-// additional half metre.
+// as 1.5 times the mean. If the flight through the gate nevertheless starts too early, the drone still crosses the
+// gate, because it flies an additional half metre.
 //
 // The true size only grows, but the measured size decreases while the frame leaves the picture. Therefore the greatest
 // mean is stored.
@@ -232,8 +233,8 @@ static void follow_size(traverser_t* t, const sight_t* sight) {
   }
 }
 
-// Returns true if, since the gate was largest, the drone has flown farther than the greatest possible distance of the
-// gate. Then there was no gate, or the drone has crossed it unnoticed.
+// Returns true if the drone must have passed the gate: since the gate's size was largest, it has flown farther than the
+// greatest distance at which a gate has this size. Then there was no gate, or the drone has crossed it unnoticed.
 static bool most_is_behind(const traverser_t* t) {
   return t->flown_um - t->most_at_um > farthest_um(t->most_q8);
 }

@@ -30,7 +30,8 @@ typedef struct {
   int32_t yaw_urad;     // heading; not limited to one turn
 } traverser_state_t;
 
-// Number of stored sizes, and distance between two of them [um].
+// During an approach, the gate's size is stored each TRAVERSER_MARK_UM of flown distance [um]. The last TRAVERSER_MARKS
+// sizes are kept.
 #define TRAVERSER_MARKS 3
 #define TRAVERSER_MARK_UM 250000
 

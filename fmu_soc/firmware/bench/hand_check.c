@@ -42,7 +42,7 @@ static void hand_first(nn_share_t share) {
   nn_hand_first(&arena, share);
 }
 
-// Fills the arena and its borders, but not the weights, with noise.
+// Fills the arena, including the borders of the tensors, with noise. Then stores the small weights in it.
 static void prepare(nn_share_t share) {
   if (share.core == 0) {
     uint32_t noise = 1;

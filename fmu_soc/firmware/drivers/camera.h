@@ -24,7 +24,7 @@ typedef struct {
   uint32_t id;            // number of the picture
 } picture_t;
 
-// Attaches the interrupt. Must be called once, with interrupts off.
+// Attaches the camera's interrupt. Must be called once, with interrupts off.
 void camera_init(void);
 
 // Requests a picture and returns at once. If a request is already open, has no effect. If the device refuses the

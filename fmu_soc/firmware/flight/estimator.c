@@ -76,7 +76,8 @@ static void correct_height(float error, float dt) {
   bias_up += kHeightPole * kHeightPole * kHeightPole * dt * error;
 }
 
-// Uses a sample of the flow sensor. The flow along each axis is velocity / distance minus the body's rotation.
+// If the flow sensor has a new sample, corrects the velocity and the tilt with it. The flow along each axis is velocity
+// / distance minus the body's rotation.
 static void use_flow(bool flying) {
   if (DECK_FLOW_SEEN != 0) {
     const float forward = range_m * ((float)(int32_t)DECK_FLOW_X * kRadPerCount + pitch_turn) / kFlowPeriod_s;
@@ -107,8 +108,8 @@ static void use_range(void) {
   correct_height(error, kRangePeriod_s);
 }
 
-// Uses a sample of the barometer. While the range sensor measures the height, the sample updates the pressure at the
-// ground.
+// Processes a sample of the barometer. While the range sensor measures the height, the sample only updates the pressure
+// at the ground.
 static void use_barometer(void) {
   if ((BAROMETER_STATUS & 1U) == 0) {
     return;

@@ -33,8 +33,9 @@ typedef struct {
 
 #define FIELD(name) "%[" #name "](%[block])\n\t"
 
-// Computes the sums of a block in s0 to s11 and a4 to a7. Eight loads provide the operands of sixteen dot products. The
-// weights are word by word, each for four channels. At the end, w is the next group.
+// Computes the sums of four positions and of one group of four channels in s0 to s11 and a4 to a7. Eight loads provide
+// the operands of sixteen dot products. The weights are interleaved: one word for each of four channels. At the end, w
+// is the address of the next group.
 #define COMPUTE_SUMS \
   "lw %[w], " FIELD(group)                                                                                             \
   "lw %[p0], %[patches](%[block])\n\tlw %[p1], %[patches]+4(%[block])\n\t"                                            \
@@ -80,7 +81,8 @@ typedef struct {
 #define BETWEEN(a) XPULP_MAX(a, a, "t3") XPULP_MIN(a, a, "t4")
 #define FROM_ZERO(a) XPULP_CLIPUR(a, a, "t4")
 
-// Converts a sum of a channel to a byte: addend in t1, shift in t2, bounds in t3 and t4, group in t5.
+// Converts a channel's sum to a byte. Registers: addend t1, shift t2, bounds t3 and t4, address of the layer_group_t
+// t5.
 #define CONVERT(product, limit, a) product(a) XPULP_ADDNR(a, "t1", "t2") limit(a)
 #define LOWER_OF_NARROW(channel) ""
 #define LOWER_OF_WIDE(channel) ""
@@ -142,8 +144,8 @@ static inline __attribute__((always_inline)) void compute_sums(block_t* block, i
     RUN(FOR_EACH_GROUP(COMPUTE_SUMS convert(product, BETWEEN)));   \
   }
 
-// Computes and stores the bytes of all groups, which have four channels each. Pooled: of the greatest sums. Advances
-// `group` and `to`.
+// Computes and stores the output bytes of four positions for all groups, which have four channels each. If `is_pooled`
+// is set, stores for each channel only the byte of the greatest sum. Advances `group` and `to`.
 static inline __attribute__((always_inline)) void compute_bytes(block_t* block, int is_pooled, int scaling) {
   const uint8_t *p0, *p1, *p2, *p3, *w;
   if (is_pooled && scaling == SCALING_NARROW) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Runs a deployed network. `mebots deploy` writes the picture and the request into this program. The program prints the
-// results and a hash of each layer's output. For a measurement, it only computes the first layers.
+// results and a hash of each layer's output. If `layers` of the request is not negative, it only computes this number
+// of layers, for a measurement.
 #include <stdint.h>
 
 #include "network.h"

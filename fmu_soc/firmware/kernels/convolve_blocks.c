@@ -126,7 +126,7 @@ static columns_t columns_inside(const layer_t* layer, int32_t columns, int is_po
   return inside;
 }
 
-// Next output positions of a core, or next pooled position.
+// The output position at which next_four() or next_pooled() continues.
 typedef struct {
   int32_t x;
   int32_t columns;
@@ -152,7 +152,8 @@ static __attribute__((noinline)) void next_few(places_t* at, int32_t left, const
   }
 }
 
-// Sets the patches of the next four positions. After the last position, its patch is repeated.
+// Sets `patches` to the patches of the next four output positions. If fewer than four positions are `left`, repeats the
+// last patch.
 static inline __attribute__((always_inline)) void next_four(places_t* at, int32_t left, const uint8_t* patches[4]) {
   if (at->x + 4 > at->columns) {
     next_few(at, left, patches);
@@ -169,7 +170,7 @@ static inline __attribute__((always_inline)) void next_four(places_t* at, int32_
   }
 }
 
-// Sets the patches of the 2 x 2 positions of the next pooled position.
+// Sets `patches` to the patches of the 2 x 2 positions of the next pool.
 static inline __attribute__((always_inline)) void next_pooled(places_t* at, const uint8_t* patches[4]) {
   const uint8_t* patch = at->row + 2 * at->x * at->to_next;
   patches[0] = patch;
@@ -191,7 +192,8 @@ static inline __attribute__((always_inline)) void keep_largest(int32_t sums[16])
   }
 }
 
-// Computes `groups` groups of `count` positions. The first `whole` groups have four channels.
+// Computes `groups` groups of channels at `count` output positions, and stores the bytes at block->to. The first
+// `whole` groups have four channels.
 static inline __attribute__((always_inline)) void compute(const layer_t* layer, block_t* block, int32_t groups,
                                                           int32_t whole, int32_t count, int is_pooled, int scaling) {
 #ifdef __riscv

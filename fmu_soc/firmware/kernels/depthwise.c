@@ -59,7 +59,7 @@ static int32_t add_products(int32_t sum, uint32_t values, const int8_t* weights)
 
 #endif
 
-// Adds the products of values and weights at four positions to the sum of each channel.
+// Adds the products of values and weights at four positions of the kernel to the sums of four channels.
 static inline __attribute__((always_inline)) void add_four(int32_t sums[4], const uint8_t* patch,
                                                            const int32_t* offsets, const int8_t* weights) {
   const turned_t values = turn(word_at(patch + offsets[0]), word_at(patch + offsets[1]), word_at(patch + offsets[2]),
@@ -70,8 +70,8 @@ static inline __attribute__((always_inline)) void add_four(int32_t sums[4], cons
   }
 }
 
-// Computes the offsets of the kernel's positions in a patch. The last offset is repeated until the last group is full,
-// with weights of zero.
+// Computes the offset in a patch for each position of the kernel. Four positions are a group. To fill the last group,
+// the last offset is repeated; the weights there are zero.
 static void fill_offsets(const layer_step_t* step, int32_t* offsets) {
   const layer_t* layer = step->layer;
   int32_t count = 0;

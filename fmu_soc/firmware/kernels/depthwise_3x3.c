@@ -35,7 +35,7 @@ typedef struct {
 // Copies columns: transposes the words of four rows (a to d) to the words of four channels.
 static inline __attribute__((always_inline)) void turn_columns(const rows_t* rows, int32_t count, uint32_t* to) {
   const uint8_t *a = rows->at[0], *b = rows->at[1], *c = rows->at[2], *d = rows->at[3];
-  // Selectors: 0 to 3 are the bytes of the first word, and 4 to 7 are those of the second word.
+  // In a selector, 0 to 3 are the bytes of the first word, and 4 to 7 are the bytes of the second word.
   __asm__ volatile(
       XPULP_LOOP("x0", "%[n]", "18") XPULP_LW_POST_REG("t0", "%[sa]", "%[a]") XPULP_LW_POST_REG("t1", "%[sb]", "%[b]")
           XPULP_LW_POST_REG("t2", "%[sc]", "%[c]") XPULP_LW_POST_REG("t3", "%[sd]", "%[d]") "mv t4, t0\n\t"
@@ -64,7 +64,7 @@ static inline __attribute__((always_inline)) void turn_columns(const rows_t* row
 #define FROM_ZERO(to) XPULP_CLIPUR("t3", "t3", "%[high]") STORE(to)
 #define SHIFT XPULP_ADDNR("t3", "%[addend]", "%[shift]")
 #define SUM(k) "mv t3, %[bias]\n\t" XPULP_SDOTUSP_B("t3", "t1", "%[" k "1]") PRODUCTS(k)
-// The addend includes the product of bias and multiplier. 5 instructions.
+// 5 instructions, none for the bias: the addend includes the product of bias and multiplier.
 #define NARROW(k) XPULP_DOTUSP_B("t3", "t1", "%[" k "1]") PRODUCTS(k) "mul t3, t3, %[multiplier]\n\t" SHIFT
 #define WIDE(k) SUM(k) "mulh t3, t3, %[multiplier]\n\t" SHIFT  // 6 instructions
 #define EXACT(k)                   \
@@ -176,7 +176,8 @@ static void filter(const layer_t* layer, const layer_group_t* group, int i, cons
 
 #endif
 
-// Returns the input rows of the output row `y` and the next one. Rows that no output needs repeat the row before.
+// Returns the `count` input rows that are needed for the output row `y` (3), or for the output rows `y` and `y` + 1
+// (4). The remaining elements repeat the last of these rows.
 static inline __attribute__((always_inline)) rows_t rows_of(const layer_step_t* step, const layer_group_t* group,
                                                             int32_t y, int32_t count, const uint32_t* outside) {
   const layer_t* layer = step->layer;

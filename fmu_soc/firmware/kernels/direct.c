@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Implements operators that access the network's memory directly, without tiles in L1.
+// Implements operators that access the network's memory directly, instead of tiles (parts of tensors) that are copied
+// to L1.
 #include "kernels/machine.h"
 #include "kernels/work.h"
 

@@ -178,8 +178,8 @@ typedef struct {
 } layer_network_t;
 
 // Computes `count` layers from `first` on. Every core of the cluster must call this function with its own number. On
-// another machine, one call computes everything. L1 starts with copies of the present and the next layer
-// (LAYER_L1_RESERVED bytes).
+// other machines, one call is sufficient. The first LAYER_L1_RESERVED bytes of network->l1 contain copies of the
+// layer_t of the present and of the next layer.
 void layers_run(const layer_network_t* network, const uint8_t* picture, int32_t first, int32_t count,
                 layer_share_t share);
 

@@ -23,7 +23,7 @@ static uint8_t largest(const window_t* w, int32_t channel) {
 
 #ifdef __riscv
 
-// Computes four channels at a time. Returns the first channel that was not computed.
+// Computes the maximum over the window for four channels at a time. Returns the first channel that was not computed.
 static inline __attribute__((always_inline)) int32_t largest_of_fours(const window_t* w, uint8_t* to) {
   const int32_t channels = w->channels, pitch = w->pitch, rows = w->rows, columns = w->columns;
   int32_t channel = w->first;

@@ -6,7 +6,7 @@
 
 #ifdef __riscv
 
-// Adds the products of one or two patches and four channels to the sums.
+// Computes the sums of four channels for one or two patches: the bias plus the products of values and weights.
 static inline __attribute__((always_inline)) void add_products(const layer_t* layer, const layer_group_t* group,
                                                                const uint8_t* p0, int32_t to_next, int32_t sums[8],
                                                                int is_pair, int scaling) {

@@ -7,7 +7,7 @@
 #include "runtime/xpulp.h"
 #endif
 
-// A step: a block of channels of a tile of rows, with its buffers in L1.
+// A step of a layer computes a block of channels of a tile of rows. Its buffers are in L1.
 struct layer_step {
   const layer_t* layer;
   const uint8_t* in;

@@ -164,7 +164,8 @@ void nn_fast_shrink(nn_arena_t* arena, const uint8_t* source, int width, int hei
 typedef struct {
   uint32_t rows[7];   // first four pixels of each row
   uint32_t fifth[2];  // fifth pixels of rows 0 to 3, and of rows 2 to 5
-  // Fifth pixels of row 4 and of row 6, in the lowest byte. The weights of the other bytes are zero.
+  // Fifth pixel of row 4, and fifth pixel of row 6, each in the lowest byte of a word. The weights of the other bytes
+  // are zero.
   uint32_t last[2];
 } patch_t;
 

@@ -13,7 +13,8 @@ extern "C" {
 // The picture has a border of zeros: 2 above and to the left, 1 below, 2 to the right.
 #define NN_PICTURE_PITCH (SHRUNK_EDGE + 4)
 #define NN_PICTURE_ROWS (SHRUNK_EDGE + 3)
-// A tensor has a border of one position. One more position follows, because a pair of positions may exceed the border.
+// A tensor has a border of one position. After the border, there is space for another pair of positions, because
+// positions are computed in pairs and the last pair may exceed the border.
 #define NN_BORDERED(edge, channels) (((edge) + 2) * ((edge) + 2) * (channels) + 2 * (channels))
 
 // Words per channel in the first layer's weights: four weights of each of the five rows, then the fifth weights of the
@@ -44,9 +45,9 @@ typedef struct {
 #define NN_SHARES_PLACES (NN_CHANNELS_FIRST > 4)
 
 // Data of an inference in the memory that the cores share. Data that are not needed at the same time share addresses:
-// the large weights replace the picture, and later outputs replace the camera's rows. With NN_SHARES_PLACES, the first
-// layer's output replaces the camera's rows, and the outputs of the second and third layer are next to the large
-// weights.
+// the weights of layers 4 to 7 replace the picture, and the outputs after the first layer replace the camera's rows.
+// With NN_SHARES_PLACES, the first layer's output replaces the camera's rows, and the outputs of the second and third
+// layer replace the picture, too.
 #if NN_SHARES_PLACES
 typedef struct {
   union {
@@ -96,12 +97,14 @@ typedef struct {
   unsigned cores;  // 1 to 8
 } nn_share_t;
 
-// Computes the small weights. Must be called once, before the first inference.
+// Computes the weights of the first four layers in the order of the kernels. Must be called once, before the first
+// inference.
 void nn_fast_make_small_weights(nn_small_weights_t* small);
 
 // Clears the borders of the picture and of the first layer's output. Must be called before each picture.
 void nn_fast_clear_first(nn_arena_t* arena, nn_share_t share);
-// Clears the borders of later outputs. Must be called after the picture is reduced.
+// Clears the borders of the outputs after the first layer. Must be called after the picture is reduced, because these
+// outputs replace the camera's rows.
 void nn_fast_clear_later(nn_arena_t* arena, nn_share_t share);
 // If NN_SHARES_PLACES is 1, nn_fast_clear_later() clears the first layer's output instead of nn_fast_clear_first().
 // Therefore all cores must wait before the first layer. After that layer, nn_fast_clear_middle() clears the outputs of

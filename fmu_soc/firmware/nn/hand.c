@@ -25,7 +25,7 @@ void nn_hand_shrink(nn_arena_t* arena, const uint8_t* source, int width, int hei
 }
 
 // Fills the table of nn_hand_row() for four channels of the first layer: the words of nn_small_weights_t, the last word
-// again for pixels that are two bytes farther, the bias and the shift.
+// shifted by two bytes for pixels that are two bytes farther in their word, the bias and the shift.
 static void make_table(uint32_t table[4 * NN_HAND_WORDS], const nn_arena_t* arena, int from) {
   const nn_layer_t layer = nn_layer(0);
   for (int c = from; c < from + 4; ++c, table += NN_HAND_WORDS) {

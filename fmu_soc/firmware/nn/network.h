@@ -45,8 +45,8 @@ typedef struct {
   const int8_t* weights;  // sorted by output channel, row, column, input channel
 } nn_layer_t;
 
-// Returns the parameters of a layer: 0 to NN_CONVOLUTIONS - 1, or NN_CONVOLUTIONS for the dense layer. Each part is
-// aligned to a word.
+// Returns the parameters of a layer: 0 to NN_CONVOLUTIONS - 1, or NN_CONVOLUTIONS for the dense layer. The biases,
+// shifts and weights are each aligned to a word.
 nn_layer_t nn_layer(int index);
 
 // Returns the hash of a tensor's bytes (FNV-1a, 32 bits), to compare layers between machines.

@@ -55,8 +55,8 @@ static inline void cluster_barrier(void) {
 // dma_wait() exactly once. If 16 copies are running, the next start waits until one of them ends. For invalid addresses
 // or sizes, the result is DMA_REFUSED, and dma_wait() returns at once.
 //
-// On GAP8's own DMA, at most 16 copies of all cores together may be unfinished; otherwise the program may stop. A copy
-// has at most 65535 bytes there.
+// On GAP8's own DMA, a copy occupies one of 16 counters until dma_wait() has returned. If all are occupied, a start
+// waits until another core calls dma_wait(), possibly without end. A copy has at most 65535 bytes there.
 #define DMA_REFUSED 0xffffffffu
 
 uint32_t dma_copy_in(void* l1, const void* l2, uint32_t bytes);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Controls clock, sleep and end of the fabric controller, on boards with MEbots' power manager.
+// Controls the clock and the sleep of the fabric controller, and the end of its program, on boards with MEbots' power
+// manager.
 #pragma once
 
 #include <stdint.h>

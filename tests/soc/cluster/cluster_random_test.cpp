@@ -25,7 +25,8 @@ class Onlooker final : public Observer {
   std::uint64_t count_ = 0;
 };
 
-/// Observes only the steps of its FlowMap; hot code is translated. Checks the order of these steps.
+/// An observer that receives only the steps of its FlowMap, so that hot code stays translated. Checks that no
+/// counter decreases from step to step.
 class StepCounter final : public Observer, private FlowMap {
  public:
   const FlowMap* flow() const override { return this; }

@@ -19,7 +19,7 @@ namespace {
 
 constexpr double kClusterHz = 87e6;  // clock at the start
 
-/// Runs both up to `end_ns`. Their states and energies must be equal after each step.
+/// Runs both systems up to `end_ns`. Their states and energies must be equal after each step.
 void expect_same_bits(Soc& one, Soc& other, std::int64_t step_ns, std::int64_t end_ns) {
   for (auto t = one.now() / 1000 + step_ns; t < end_ns; t += step_ns) {
     one.advance(t);
@@ -157,7 +157,7 @@ TEST(ClusterBanks, ATreeServesCoresInTurn) {
   }
 }
 
-/// With the tree, two cores take turns even if the cluster has eight.
+/// With arbitration by a tree, two cores take turns at a bank even if the cluster has eight cores.
 TEST(ClusterBanks, ATreeServesTwoOfEightCoresInTurn) {
   const auto body = "li t0, 2\nblt s0, t0, 4f\n3: wfi\nj 3b\n4:\n" + hammer(64);
   const auto rotating = cycles_of(body, 8, BoardSystem::without_caches());
@@ -175,8 +175,8 @@ BoardDescription with_quantum(std::uint32_t quantum) {
   return board;
 }
 
-/// If all 256 loads fit into one quantum, the first core of this quantum never waits. In shorter quanta, it waits in
-/// every second iteration.
+/// If all 256 loads fit into one quantum, the core that is first in this quantum never waits. With shorter quanta, both
+/// cores wait about equally long.
 TEST(ClusterBanks, TheBoardSetsTheLengthOfAQuantum) {
   const auto difference = [](std::uint32_t quantum) {
     const auto cycles = cycles_of(hammer(16), 2, with_quantum(quantum));
@@ -299,8 +299,8 @@ TEST(Dma, MovesEightBytesACycle) {
 }
 
 TEST(Dma, TakesTwoCyclesForAShortRow) {
-  // Each of the 64 rows of 4 bytes is half a beat. But with a latency of 16 cycles and 8 bursts in flight, a row takes
-  // 2 cycles.
+  // The copies differ by 64 rows of 4 bytes. A row is half of the 8 bytes per cycle that the DMA can transfer. But it
+  // takes 2 cycles, because a burst has a latency of 16 cycles and only 8 bursts are in flight.
   const auto longer = job_ns(copy("512", "4"), 0) - job_ns(copy("256", "4"), 0);
   EXPECT_NEAR(longer, 128 / kClusterHz * 1e9, 10 + 1);
 }
@@ -688,7 +688,7 @@ TEST(ClusterRuntime, KeepsItsBitsWithAnObserver) {
   EXPECT_GT(watched.soc.cluster()->counters().instructions, 40'000U);
 }
 
-/// The observed time is from the last inferences on four cores to the inferences on eight.
+/// Observes the network from the last inferences on four cores until it runs on eight cores.
 TEST(ClusterRuntime, KeepsItsBitsWithAnObserverDuringAnInference) {
   const auto program = Elf::read(MEBOTS_BINARY_DIR "/firmware/network_bench.elf");
   BoardSystem plain(program);
@@ -745,7 +745,7 @@ TEST(ClusterAlone, RunLastsUntilTheClusterEndsWhileTheControllerSleeps) {
   }
 }
 
-/// Two cores fault, one of them up to a quantum after the other.
+/// Both cores execute an illegal instruction, one of them up to a quantum after the other.
 TEST(ClusterAlone, RunEndsWithTheCoreThatStopsFirst) {
   unsigned both = 0;
   for (unsigned later = 0; later < 2; ++later) {

@@ -127,7 +127,8 @@ TEST_F(HistoryTest, AStopBehindAnInstructionMakesItARepetition) {
   EXPECT_FALSE(history_.repeats());
 }
 
-/// Two states always remain. Any further state exceeds the limit of one byte, and doubles the distance.
+/// Two states always remain. Any further state exceeds the limit of one byte, so the distance between stored states is
+/// doubled.
 TEST_F(HistoryTest, KeepsTheFirstAndTheNewestStateWithinALimitOfBytes) {
   History history(1);
   history.record(soc_);

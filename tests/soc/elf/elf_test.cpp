@@ -93,7 +93,8 @@ TEST(Elf, HasNoLinesIfTheLineTableIsBroken) {
   int without = 0;
   for (int i = 0; i < 3000; ++i) {
     auto bytes = whole;
-    // The sections follow the program headers and segments; those of the line numbers are first.
+    // Changes bytes after the program headers and segments, where the sections are. The first sections contain the line
+    // numbers.
     for (int k = 0; k < 4; ++k) bytes[0x80 + random() % (bytes.size() - 0x80)] = static_cast<std::uint8_t>(random());
     try {
       if (Elf::parse(bytes, "fw.elf").where(0x80000004).find("power.c:9") == std::string::npos) ++without;

@@ -73,7 +73,7 @@ TEST(Float32, DetectsTininessAfterRounding) {
     return all([=](Context& c) { return multiply(a, b, c); });
   };
   const unsigned under = kUnderflow | kInexact;
-  // The value is half of the least number.
+  // The exact product is half of the least positive number.
   EXPECT_EQ(product(kLeast, 0x3f000000), (Outcomes{{{0, under}, {0, under}, {0, under}, {1, under}, {1, under}}}));
   // (1 - 2^-24) * 2^-126: rounded to 24 bits, it stays below 2^-126, and so is tiny.
   EXPECT_EQ(product(0x3f7fffff, kLeastNormal), (Outcomes{{{kLeastNormal, under},

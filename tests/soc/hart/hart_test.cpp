@@ -86,7 +86,7 @@ handler: csrr s2, mcause
 TEST(Trap, DoesNotCountTheInstructionAsRetired) {
   Machine machine(with_handler("csrr s5, minstret\necall\ncsrr s6, minstret"));
   ASSERT_EQ(machine.run(), Stop::watch);
-  // Counts the first csrr and six instructions of the handler, without the ecall itself.
+  // The difference of the counts includes the first csrr and six instructions of the handler, but not the ecall.
   EXPECT_EQ(machine.reg(22) - machine.reg(21), 7U);
 }
 
@@ -194,7 +194,7 @@ end: {}
   EXPECT_EQ(machine.hart().csr_remarks().read_stopped_counter, csr::kMinstret);
 }
 
-/// Returns a program whose handler executes `step` and leaves without mret, `count` times.
+/// Returns a program that traps `count` times. Each time, its handler executes `step` and leaves without mret.
 std::string leaves_without_mret(unsigned count, std::string_view step) {
   return fmt::format(R"(
 _start: la t0, handler
@@ -291,7 +291,8 @@ TEST(Csr, MatchesTheManualsInPresenceAccessAndCycles) {
       ASSERT_EQ(timing.csr_cycles(number), CsrSet::contains(expected.slow, number) ? 4U : 1U) << text;
     }
     for (unsigned number = 0; number < 0x1000; ++number) {
-      // PCER and PCMR of user mode have numbers of read-only registers.
+      // The user-mode CSRs PCER and PCMR have numbers in the range of read-only registers, but programs can store to
+      // them.
       const bool can_be_stored_to = number < 0xc00 || number == 0xcc0 || number == 0xcc1;
       ASSERT_EQ(machine.hart().set_csr(number, 0), expected.has(number) && can_be_stored_to)
           << fmt::format("0x{:03x}", number);
@@ -475,8 +476,8 @@ TEST(Run, EndsAtTheStoreIntoTohost) {
   EXPECT_EQ(machine.reg(10), 3U) << "nothing later is executed";
 }
 
-/// Compares an uninterrupted run with runs in pieces. In small pieces, most instructions are executed alone, outside of
-/// blocks.
+/// Compares an uninterrupted run with runs that stop at a limit again and again. If the limits are close to each other,
+/// most instructions are executed one by one instead of in blocks.
 void expect_the_same_in_pieces(const Elf& program, CoreKind kind) {
   Machine straight(program, kind);
   ASSERT_EQ(straight.run(), Stop::watch);
@@ -495,7 +496,7 @@ void expect_the_same_in_pieces(const Elf& program, CoreKind kind) {
 
 TEST(Run, CountsTheSameForAllSplits) {
   // The code contains every kind of delay. A jump overlaps with a misaligned load directly before it, also if a piece
-  // ends between the two.
+  // of the run ends between the two.
   const auto program = assemble(fmt::format(R"(
 _start: la s0, data
     li s1, 40

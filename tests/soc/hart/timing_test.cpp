@@ -149,7 +149,7 @@ TEST(Timing, FollowsTheTableOfRi5cy) {
 }
 
 TEST(Timing, StallsALoadAfterALoadIntoTheSameRegisterOnRi5cyOnly) {
-  // 16 consecutive loads form 15 pairs.
+  // 16 consecutive loads into one register form 15 pairs, each of which stalls for one cycle.
   EXPECT_EQ(cycles_of("lw t0, 4(a0)", CoreKind::ri5cy) * kRepeats, 16 + 15);
   EXPECT_EQ(cycles_of("lw t0, 4(a0)\nlw t1, 4(a0)", CoreKind::ri5cy), 2);
 }

@@ -16,8 +16,8 @@
 namespace mebots::soc::test {
 namespace {
 
-/// Defines instructions as macros. A loop's `last` is the distance in bytes from the loop instruction to the last
-/// instruction of the body.
+/// Defines instructions as macros. `last` of a hardware loop is the distance in bytes from the loop instruction to the
+/// last instruction of the loop's body.
 constexpr std::string_view kMacros = R"(
     .option norvc
     .macro lp_starti l, first
@@ -217,8 +217,8 @@ room: .word 0, 0, 0, 0
   EXPECT_EQ(machine.reg(18), 0x818283f4U);
 }
 
-/// An observed instruction is decoded alone, and its cycles depend on the pipeline's state. Other instructions are in a
-/// block.
+/// With an observer, each instruction is decoded alone, and its cycles depend on the stored pipeline state. Without an
+/// observer, instructions are decoded in blocks.
 TEST(Xpulp, JumpAfterAMisalignedLoadTakesTheSameTimeWithAnObserver) {
   // t4 points to the jump's target; p.lw a3, 0(t4!) writes it, too.
   constexpr std::string_view kLoads[] = {".insn i 0x0b, 2, a3, t4, 0", "lw a3, 0(t4)", "lw ra, 0(t4)"};
@@ -419,7 +419,8 @@ done:
 }
 
 TEST(HardwareLoop, ContinuesAfterAStoreThatLeavesItsBlock) {
-  // The last instruction stores into a word of code, which takes the slow path.
+  // The last instruction of the loop stores into a word that is marked as code. Such a store ends the execution of its
+  // block.
   auto machine = finished(R"(
     la a1, room
     li a2, 5

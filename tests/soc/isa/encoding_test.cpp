@@ -142,7 +142,7 @@ TEST(Disassembly, AgreesWithBinutilsForEveryCompressedWord) {
                          line.starts_with("c.unimp") || long_shift || reserved;
     ASSERT_EQ(decoded.op == Op::illegal, illegal) << fmt::format("0x{:04x}: {}", words[i], line);
     if (illegal) continue;
-    // A shift by 0 is a hint in RV32; binutils names it after RV128.
+    // A shift by 0 is a hint in RV32. Binutils prints it with the name that it has in RV128, which ends in 64.
     if (const auto at = line.find("64\t"); at != std::string::npos && line.starts_with("c.s"))
       line = line.replace(at, 2, "") + ",0";
     const auto pc = static_cast<std::uint32_t>(2 * i);

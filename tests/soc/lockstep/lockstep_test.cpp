@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs random programs on the simulated hart and on QEMU's RISC-V virt machine, whose RAM is a file. The programs store
-// their registers every few instructions and their traps. These records and the data must be equal.
+// Runs random programs on the simulated hart and on QEMU's RISC-V virt machine, whose RAM is a file. The programs log
+// all registers every few instructions, and each trap. The logs and the data in RAM must be equal on both.
 // MEBOTS_LOCKSTEP_INSTRUCTIONS is the number of random instructions (scripts/lockstep.sh).
 #include "program.hpp"
 

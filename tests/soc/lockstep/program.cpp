@@ -137,7 +137,8 @@ class Maker {
     load_address(5, Layout::kLog);
     emit(csr(1, 0, kMscratch, 5));
     turn_at_ = here();
-    // x31 becomes the address of this iteration's registers. Counts the iteration.
+    // Increments the counter of iterations. x31 becomes the address of the register values with which this iteration
+    // starts.
     load_address(30, Layout::kControl);
     emit(lw(31, 0, 30));
     emit(addi(29, 31, 1));
@@ -343,8 +344,8 @@ class Maker {
   }
 
   void csr_access() {
-    // Does not read mstatus, because QEMU's value after an mret contains user mode, which neither machine has. The
-    // handler stores mstatus.
+    // Does not read mstatus: after an mret, QEMU's value names user mode as the previous mode, although neither machine
+    // has user mode. The handler stores mstatus instead.
     constexpr std::array<std::uint32_t, 3> kReadOnly{kMtvec, kMisa, kMhartid};
     constexpr std::array<std::uint32_t, 3> kMissing{0x5c0, 0x180, 0x7c5};
     auto rd = below(32);

@@ -70,7 +70,8 @@ constexpr std::uint64_t kLoads = 256;
 constexpr std::uint64_t kLoopCycles = 5;
 
 TEST(Gap8Cluster, CountsTheLatencyOfL2InTheClocksOfClusterAndSoc) {
-  // Tolerance for the cycles of start, end and cache refills. A refill has the latency of a load.
+  // Tolerance for the cycles of the program's start and end and for cache refills. `way` is the latency of a load and
+  // of a refill.
   const auto around = [](double way) { return 20 + 10 * way; };
   const auto expect_way = [&](const Factors& factors, std::uint64_t way) {
     EXPECT_NEAR(static_cast<double>(cycles_of_core(1, factors, 0)), static_cast<double>(kLoads * (kLoopCycles + way)),
@@ -84,8 +85,8 @@ TEST(Gap8Cluster, CountsTheLatencyOfL2InTheClocksOfClusterAndSoc) {
 }
 
 TEST(Gap8Cluster, LetsOneCoreAtATimeThroughToL2) {
-  // An access occupies the port for one cycle of the SoC, which is 8 cycles of the cluster. The latency is so long that
-  // the accesses of eight cores overlap.
+  // An access occupies the cluster's port to L2 for one cycle of the SoC, which is 8 cycles of the cluster. The latency
+  // is so long that the accesses of eight cores overlap.
   const Factors factors{600, 4800};
   EXPECT_LT(cycles_of_core(0xff, factors, 7), cycles_of_core(1, factors, 0) * 5 / 4);
   auto board = Gap8System::gap8();
@@ -96,7 +97,8 @@ TEST(Gap8Cluster, LetsOneCoreAtATimeThroughToL2) {
   EXPECT_GE(cycles_of_core(0xff, factors, 7, board), kLoads * 8 * 8 * 9 / 10) << "eight loads take 64 cycles";
 }
 
-/// The code accesses L2 until the end of the table of banks, and then L1, which other cores use, too.
+/// Even cores load from L2 until their tick is near the end of the table of accesses to the banks of L1. Then they
+/// store to L1, like the odd cores.
 TEST(Gap8Cluster, TranslatedCodeSupportsAnyWaitForL2) {
   struct Mix {
     unsigned far;

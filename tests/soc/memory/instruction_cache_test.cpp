@@ -45,7 +45,8 @@ TEST(InstructionCache, ALineHasArrivedForAllWhenAllCoresArePastItsArrival) {
   EXPECT_TRUE(arrived(5));
   EXPECT_FALSE(arrived(6));
   EXPECT_TRUE(cache.holds(6));
-  // While one core alone uses the cache, it waits for line 7. A second core that starts afterwards has not waited.
+  // While only one core uses the cache, each line that it has fetched counts as arrived, because the core waits for it.
+  // When a second core starts, line 7 has not arrived.
   cache.settle(200);
   cache.set_alone(true);
   cache.fetch(7, 200);
@@ -69,8 +70,9 @@ TEST(InstructionCache, TheOnlyUserHasWaitedForEachPresentLine) {
 }
 
 TEST(InstructionCache, TheShiftRegisterSelectsTheWayOfARefill) {
-  // 8 bits, shifted to the left; the new bit 0 is set if an even number of bits 7, 3, 2, 1 is set. From 0 the values
-  // are 1, 3, 6, 0xd, 0x1b: bits 2 and 1 are 0, 1, 3, 2, 1. So the fifth line replaces the second.
+  // The register has 8 bits and is shifted to the left. The new bit 0 is set if an even number of bits 7, 3, 2 and 1 is
+  // set. From 0 the values are 1, 3, 6, 0xd, 0x1b. Bits 2 and 1 select the way: 0, 1, 3, 2, 1. So the fifth line
+  // replaces the second.
   InstructionCache cache({64, 16, 4, 9});
   for (std::uint32_t line = 1; line <= 4; ++line) {
     cache.fetch(line, 0);
@@ -135,7 +137,8 @@ TEST(Fetch, CostsARefillForEveryLineTheFirstTime) {
     free_of_waits.run();
     std::uint64_t refills = 0;
     const auto counters = counters_of(program, &refills);
-    // li and j are in one line, the loop with its nop in 16 lines, and the 4 words of the end in one.
+    // li and j are in one line of the cache. The loop with its nop is in 16 lines, and the 4 words of the end are in
+    // one line.
     EXPECT_EQ(refills, 1U + 16U + 1U);
     EXPECT_EQ(counters.fetch_cycles, 9 * refills);
     EXPECT_EQ(counters.cycles, free_of_waits.hart().counters().cycles + counters.fetch_cycles);
@@ -241,7 +244,7 @@ core: .rept 400
   EXPECT_EQ(refills, 101U) << "400 words, and the word after them";
   for (unsigned core = 0; core < cluster.cores(); ++core) {
     const auto& counters = cluster.hart(core).counters();
-    // Every core waits for the line, but not longer than for its own refill.
+    // One core fetches each line, and the others wait for it, too. No core waits longer than for refills of its own.
     EXPECT_GT(counters.fetch_cycles, 101U * 20U / 2) << core;
     EXPECT_LE(counters.fetch_cycles, 101U * 20U) << core;
   }
@@ -270,7 +273,7 @@ _start: li s0, 200
   const auto [cold_j, cold] = l2_energy("fence.i");
   EXPECT_GT(cold, warm + 3000);
   const auto word_j = gap8().energy.memory_access.at({25, 1.2, 100e6});
-  // The sums are differences of doubles.
+  // The difference of two energies loses digits, so the tolerance is relative to the larger energy.
   EXPECT_NEAR(cold_j - warm_j, static_cast<double>(cold - warm) * 4 * word_j, 1e-9 * cold_j);
 }
 

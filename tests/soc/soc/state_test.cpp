@@ -129,8 +129,8 @@ TEST(StepSize, DoesNotChangeTheRun) {
   }
 }
 
-/// A load directly before an access to a device costs a cycle, even if a block ends between the two. Limits end blocks,
-/// and a block has at most 64 instructions.
+/// A load directly before an access to a device costs a cycle, even if a block ends between the two. A block ends at
+/// the end of a step, or after at most 64 instructions.
 TEST(StepSize, DoesNotChangeTheTimeOfADeviceAccessAfterALoad) {
   for (int before = 60; before < 68; ++before) {
     const auto program = BoardSystem::assembled(fmt::format(R"(

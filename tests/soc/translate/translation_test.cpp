@@ -150,9 +150,10 @@ TEST(Translation, ExistsForEveryCommonInstruction) {
 }
 
 TEST(Translation, ClearsThePipelineStateWhenAJumpEntersTheSameBlock) {
-  // The block at 2 follows 64 instructions that end with a load. In every second iteration, a branch at the end of the
-  // block leads back to it. Only in every fourth iteration, its first instruction stores into the watched word; then
-  // the interpreter finishes the block. The state shows which instructions the interpreter assumes before the block.
+  // Label 2 is directly after 64 instructions, the last of which is a load. In every second iteration, the branch "beqz
+  // t0, 2b" jumps to label 2 instead. In every fourth iteration, the store at label 2 is into the watched word
+  // (tohost), so the interpreter executes the rest of the block. The compared state contains the pipeline state, so it
+  // shows whether the interpreter assumes the load before label 2.
   std::string body = "    .option push\n    .option norvc\n";
   for (int i = 0; i < 63; ++i) body += "    addi a2, a2, 3\n";
   const auto program = assemble(R"(
@@ -187,9 +188,9 @@ data: .word 0
   EXPECT_TRUE(same) << "the program, which never ends, ended";
 }
 
-/// A hot block whose end is reached only in every 64th iteration, so its lines are then absent from the instruction
-/// cache. Translated code begins with the first part. If the second part with all its refills might exceed the limit,
-/// translated code stops before it.
+/// The code after the branch of a hot block is reached only in every 64th iteration, so its lines are then absent from
+/// the instruction cache. Translated code executes the part up to the branch. If the part after the branch, with all
+/// its refills, might exceed the limit, translated code stops before this part.
 TEST(Translation, FetchesTheRareEndOfABlock) {
   const auto program = assemble(R"(
     li a3, 20

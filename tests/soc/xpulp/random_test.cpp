@@ -122,7 +122,8 @@ TEST(Xpulp, EncodingsAreThoseOfASecondDescription) {
     if (random.below(2) == 0) word &= 0xc1ffffffU;  // produces more words with few free bits
     if (random.below(2) == 0) word &= 0xfe0fffffU;
     if (random.below(2) == 0) word &= 0xfffff0ffU;
-    // All registers are addresses in the RAM, or 0 if they are added to an address. So every access is inside the RAM.
+    // Each register contains an address in the RAM. A register that an access adds to its address contains 0. So every
+    // access is inside the RAM.
     reference.x.fill(kRam + 16);
     const auto decoded = decode(word);
     const bool xpulp = decoded.encoding != nullptr && decoded.encoding->extension == Extension::xpulp;

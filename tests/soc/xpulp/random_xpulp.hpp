@@ -80,7 +80,7 @@ class Generator {
     }
   }
 
-  /// Returns an instruction without a jump. It may be one that `left_out_` excludes.
+  /// Returns an instruction without a jump. Does not apply `left_out_`; plain() does.
   std::uint32_t any_plain() {
     if (mostly_dots_ && random_.below(2) == 0) {
       const auto& row = *dots_[random_.below(static_cast<std::uint32_t>(dots_.size()))];
@@ -93,7 +93,7 @@ class Generator {
     }
     auto word = any_row();
     if (!mostly_dots_ || is_store(decode(word).op)) return word;
-    // Operands of dot products usually come from loads; sometimes another instruction changes them, too.
+    // Operands of dot products are mostly written by loads. Other instructions rarely read or write these registers.
     if (random_.below(8) != 0) {
       word = off_dots(off_dots(word, 15), 20);
     } else if (!is_load(decode(word).op)) {
@@ -210,7 +210,7 @@ class Generator {
         }
         [[fallthrough]];
       default:
-        // Writes a loop that three instructions set up. The end is set first or last.
+        // Sets up the loop with three instructions: start, count and end of the body. The end is set first or last.
         if (random_.below(2) == 0) {
           lp(0, 0, 6);
           lp(3, 0, turns);

@@ -246,7 +246,7 @@ bool XpulpReference::alu(std::uint32_t word) {
       return true;
     }
     case 0b0001010: {
-      // The bound of the immediate forms is 2^(n-1) - 1, or 0 for n = 0.
+      // Forms with an immediate n have the bound 2^(n-1) - 1, or 0 for n = 0.
       const auto bound = kind == 1 || kind == 2 ? (field2 == 0 ? 0 : (std::int64_t{1} << (field2 - 1)) - 1) : sb;
       if (kind == 1 || kind == 5) {
         d = word_of(sa > bound ? bound : sa < -bound - 1 ? -bound - 1 : sa);

@@ -55,7 +55,8 @@ void start(Platform& platform, const std::vector<std::uint32_t>& words, Random r
   hart.set_csr(csr::kMstatus, 8);
 }
 
-/// Runs programs until long after they are hot, with random limits and interrupts.
+/// Runs each program with and without translation until long after it is hot, and compares the states. Each call of
+/// run() has a random limit, and interrupts come at random times.
 void compare(std::uint64_t seed, int programs, std::uint32_t pointers, std::set<const Encoding*>& seen,
              bool mostly_dots = false) {
   Random random(seed);
@@ -114,7 +115,8 @@ TEST(XpulpTranslation, RunsDotProductsAsInterpreted) {
   }
 }
 
-/// The return address of a call may be in a vector register.
+/// A call writes its return address into x1. Translated code may keep x1 in a vector register, because x1 is an
+/// operand of dot products.
 TEST(XpulpTranslation, RunsCallsThatWriteAnOperandOfDotProducts) {
   constexpr std::array<std::uint32_t, 10> kWords{0xa83110d7U,  // pv.sdotusp.b x1, x2, x3, and three times more
                                                  0xa83110d7U, 0xa83110d7U, 0xa83110d7U,
@@ -140,7 +142,7 @@ TEST(XpulpTranslation, RunsCallsThatWriteAnOperandOfDotProducts) {
   EXPECT_EQ(states[0], states[1]);
 }
 
-/// Loads operands of dot products from both memories. One load writes its own step.
+/// Loads operands of dot products from both memories. One load overwrites the register that contains its step.
 TEST(XpulpTranslation, LoadsOperandsOfDotProductsAsInterpreted) {
   constexpr std::array<std::uint32_t, 10> kWords{0x20e5770bU,  // p.lw x14, x14(x10!): the next step, 4 or 8
                                                  0x20e5f783U,  // p.lw x15, x14(x11), in the small memory
@@ -191,7 +193,7 @@ TEST(XpulpTranslation, FaultsInAPostIncrementAsInterpreted) {
       auto& hart = platform.hart();
       const std::array<std::uint32_t, 3> words{access, 0x00160613U, 0xff9ff06fU};  // addi x12, x12, 1; j back
       platform.memory().write(kXpulpRam, {reinterpret_cast<const std::uint8_t*>(words.data()), sizeof words});
-      // Each word points to the next one, for the load into its own pointer.
+      // Each word contains the address of the next word, because a load may overwrite its own pointer.
       for (auto at = kEnd - 4000; at < kEnd; at += 4) {
         const auto next = at + 4;
         std::memcpy(platform.ram() + (at - kXpulpRam), &next, 4);

@@ -27,7 +27,7 @@ struct Mode {
 Mode mode(double l, double t) {
   const double x = l * t;
   const double once = std::abs(x) < 1e-8 ? t * (1 + x / 2) : std::expm1(x) / l;
-  // Uses a series for small x, because (once - t) / l would lose digits.
+  // For small x, uses a series: `once` and `t` are then nearly equal, so their difference would lose digits.
   const double twice = std::abs(x) < 1e-3 ? t * t * (0.5 + x / 6 + x * x / 24 + x * x * x / 120) : (once - t) / l;
   return {std::exp(x), once, twice};
 }

@@ -7,8 +7,8 @@
 
 namespace mebots::training {
 
-/// Returns the share of points along a gate's frame for which `is` is true. The points are in the gate's plane, between
-/// the opening's edge (`into` = 0) and the frame's edge (`into` = 1). A polygon counts as a circle.
+/// Returns the share of points along a gate's frame for which `is` returns true. The points are in the gate's plane,
+/// between the opening's edge (`into` = 0) and the frame's edge (`into` = 1). A polygonal frame is treated as a circle.
 template <typename Is>
 double part_of_frame(const world::scene::Gate& gate, double into, const Is& is) {
   constexpr int kPointsPerSide = 10;

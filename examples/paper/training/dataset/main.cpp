@@ -350,7 +350,8 @@ class Writer {
 constexpr double kNarrowest_rad = 0.87;
 constexpr double kWidest_rad = 1.51844;
 
-/// The range of the field of view for the sight network. It is wider than the range above on both sides.
+/// The range of the field of view for the sight network. It exceeds the range from kNarrowest_rad to kWidest_rad at
+/// both ends.
 constexpr double kNarrowestSight_rad = 0.82;
 constexpr double kWidestSight_rad = 1.56;
 

@@ -17,7 +17,7 @@ constexpr double kFlatCosine = 0.3;
 constexpr double kBesideDepth_m = 0.05;
 /// The minimum share of points along the opening's edge that must be in the picture.
 constexpr double kLeastInnerPart = 0.15;
-/// The position of these points in the beams, as a share of the distance from the inner to the outer edge.
+/// The points that must be in the picture are at this share of the way from the frame's inner edge to its outer edge.
 constexpr double kIntoBeam = 0.2;
 
 Sight sight_of_gate(const world::scene::Gate& gate, const world::camera::Intrinsics& intrinsics,

@@ -91,7 +91,8 @@ bool camera_ask(void) {
   }
   stored = false;
   filling ^= 1;
-  // The transfer must start before the sensor, because the interface skips frames that have already started.
+  // The uDMA transfer must start before the sensor, because the camera interface skips frames that have already
+  // started.
   udma_start(UDMA_CAMERA_OFFSET, buffers[filling], sizeof buffers[filling]);
   write_sensor(MODE_SELECT, SOME_FRAMES);
   is_requested = true;

@@ -22,7 +22,7 @@ static uint64_t count(void) {
   }
 }
 
-// Sets alarm_came if the time of the alarm has passed. The event of an earlier alarm has no effect.
+// Handles the timer's event. Checks the time, because the event may be from an earlier alarm that has been replaced.
 static void check_alarm(void) {
   if (count() >= alarm_count) {
     alarm_came = true;

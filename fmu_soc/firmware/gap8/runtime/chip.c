@@ -10,7 +10,7 @@
 #define MULTIPLIER_MASK 0xFFFFu
 #define DIVIDER_SHIFT 26
 #define DIVIDER_MASK 0xFu
-// The loop's oscillator runs near this power of two, as in gap_sdk.
+// The oscillator of a frequency-locked loop runs near this power of two, as in gap_sdk.
 #define OSCILLATOR_LOG2_HZ 29
 #define REFERENCE_LOG2_HZ 15
 

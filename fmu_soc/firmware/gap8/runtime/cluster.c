@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Controls the cluster through GAP8's registers. A fork raises a software event for the team's cores, which read their
-// job from L1. At the end, core 0 waits for the team at a second barrier, and raises an event of the fabric controller.
+// Controls the cluster through GAP8's registers. A fork raises a software event for the cores that take part (the
+// team), which read their job from L1. At the end, core 0 waits for the team at a second barrier, and raises an event
+// of the fabric controller.
 #include "runtime/cluster.h"
 
 #include <stdbool.h>
@@ -13,7 +14,7 @@
 #define JOB_DONE (UINT32_C(1) << FABRIC_EVENT_JOB_DONE)
 #define BARRIER_OF(number) (EU_OF_CLUSTER_BASE + EU_LONG_BARRIER_OFFSET + (number)*BARRIER_BYTES)
 
-// Interrupt vectors of the cores, which start at the address after these vectors.
+// Interrupt vectors of the cluster's cores. The first instruction of the cores is directly after the vectors.
 extern const char cluster_vectors[];
 
 struct {

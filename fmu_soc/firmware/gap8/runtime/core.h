@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Controls clock, sleep and end of GAP8's fabric controller, by its frequency-locked loop, event unit and SoC control.
+// Controls the clock and the sleep of GAP8's fabric controller, and the end of its program. Uses the frequency-locked
+// loop, the event unit and the SoC control.
 #pragma once
 
 #include <stdint.h>
@@ -12,9 +13,9 @@ extern "C" {
 #endif
 
 uint32_t core_clock_hz(void);
-// Sets the loop as loop_set() does (runtime/chip.h). While a peripheral sends at a bit rate derived from this clock,
-// ignores a lower frequency. The end of the transfer wakes the core, but the end of the last byte raises no interrupt.
-// Therefore the clock stays unchanged until the next sleep.
+// Sets the fabric controller's clock as loop_set() does (runtime/chip.h). While a peripheral sends, ignores a lower
+// frequency, because the bit rate depends on this clock. No interrupt reports the end of the last byte, so the clock
+// then stays unchanged until the next sleep.
 void core_clock_set(uint32_t hz);
 
 // Enables interrupt `number`. An enabled interrupt ends a sleep and, if interrupts are on, calls its handler.

@@ -35,7 +35,7 @@ static inline __attribute__((always_inline)) bool fits(uint32_t l1, uint32_t l2,
          stride <= MOST_ROW && in_l1 && outside;
 }
 
-// Starts a copy. Inlined, because most copies have no rows.
+// Starts a copy. Inlined, because most callers pass row = 0: the compiler then removes the code for rows.
 static inline __attribute__((always_inline)) uint32_t start(uint32_t direction, uint32_t l1, uint32_t l2,
                                                             uint32_t bytes, uint32_t row, uint32_t stride) {
   if (!fits(l1, l2, bytes, row, stride)) {

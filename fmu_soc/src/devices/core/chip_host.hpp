@@ -52,7 +52,7 @@ class PartSource {
   /// Returns a port for the part that is attached to the device's connection point `place`. If no part is attached, the
   /// port is empty.
   virtual PartPort part_at(const BoardDevice& entry, std::string_view place) = 0;
-  /// Returns the names of all connection points, in the form DEVICE.PLACE.
+  /// Returns the names of all points at which parts can be attached to the board's devices, in the form DEVICE.PLACE.
   virtual std::span<const std::string> places() const = 0;
   /// Returns the energy [J] that a load has used up to `now`. The load is the chip or a device, given by its name.
   virtual double load_energy_j(std::string_view load, Picoseconds now) const = 0;
@@ -76,7 +76,7 @@ class ImageSource {
   virtual const PictureRoll& pictures() const = 0;
 };
 
-/// Provides the devices of the chip that were created earlier.
+/// Lets a new device find those devices of the chip that were created before it.
 class DeviceSource {
  public:
   virtual ~DeviceSource() = default;

@@ -38,8 +38,9 @@ constexpr unsigned kPwmFirstEvent = 38;
 constexpr unsigned kPwmEventEnableShift = 16;
 constexpr unsigned kPwmEvents = 4;
 
-/// Operations of a channel at its threshold. A combined operation, such as "set, clear", has a second part: at the end
-/// of the period if the counter is a sawtooth, otherwise at the threshold during the count down.
+/// Operations of a channel at its threshold. A combined operation, such as kPwmSetClear, has a second part. If the
+/// counter is a sawtooth, the second part takes effect at the end of the period, otherwise at the threshold during the
+/// count down.
 enum PwmOperation : std::uint32_t {
   kPwmSet,
   kPwmToggleClear,
@@ -121,7 +122,7 @@ std::uint64_t AdvancedTimer::ticks_at(std::size_t timer, Picoseconds now) const 
   if (!counts(timer)) return counter.ticks;
   const auto passed = static_cast<double>(now - counter.since) * tick_hz(counter) / kPsPerS;
   const auto ticks = counter.ticks + static_cast<std::uint64_t>(counter.fraction + passed);
-  // Corrects a rounding error, so that a tick has elapsed exactly from the time that time_of() returns for the tick.
+  // Corrects a rounding error: a tick has elapsed only from the time that time_of() returns for this tick.
   return ticks > counter.ticks && time_of(counter, ticks) > now ? ticks - 1 : ticks;
 }
 
@@ -172,7 +173,7 @@ bool AdvancedTimer::store(std::uint32_t offset, Picoseconds now, std::uint32_t v
   }
   if (offset == kPwmEventConfig) {
     events_ = value;
-    // Earlier rising edges raise no events of the new configuration.
+    // With the new configuration, only rising edges after `now` raise events.
     for (std::size_t i = 0; i < kTimers; ++i) counters_[i].raised = std::max(counters_[i].raised, ticks_at(i, now));
     return true;
   }

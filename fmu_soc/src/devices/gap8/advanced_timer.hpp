@@ -91,7 +91,7 @@ class AdvancedTimer final : public Device {
   std::array<Counter, kTimers> counters_;
   std::uint32_t events_ = 0;
   std::uint32_t enabled_ = 0;
-  /// True for counters whose use of an input pad was reported. Not part of a state.
+  /// True for counters whose use of an input pad was reported. Not part of a saved state.
   std::array<bool, kTimers> warned_pads_{};
 };
 

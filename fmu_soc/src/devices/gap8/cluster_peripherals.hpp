@@ -70,7 +70,7 @@ class ClusterPeripherals final : public soc::ClusterPeripherals {
   std::array<std::uint32_t, kMostClusterCores> boot_{};
   std::uint32_t fetching_ = 0;  // cores whose fetch is enabled
   std::uint32_t started_ = 0;   // cores that the present access starts; cleared by take_started()
-  /// Reported offsets of registers that are not modelled. Not part of a state.
+  /// Reported offsets of registers that are not modelled. Not part of a saved state.
   std::vector<std::uint32_t> warned_;
 };
 

@@ -31,7 +31,7 @@ struct FrameFormat {
   std::uint32_t binning = 0;
   std::uint32_t orientation = 0;
 
-  /// Return the size of a frame at the output, in pixels.
+  /// Return the size of the frames that the sensor sends [px].
   std::uint32_t width() const;
   std::uint32_t height() const { return window_height / row_step; }
   /// Copies the pixels of a frame in the order of the output. The picture must have Himax::kWidth columns and at least

@@ -30,7 +30,7 @@ class HyperFlash {
   void visit(state::Visitor& v);
 
  private:
-  /// Meaning of the next write.
+  /// Meaning of the next word that is written to the flash.
   enum class Expects : std::uint32_t { unlock, second_unlock, command, erase_unlock, second_erase_unlock, erase, data };
   /// Contents of a sector that differs from the image.
   struct Sector {

@@ -38,7 +38,7 @@ class Rtc final : public Device {
   void raise(std::uint32_t flag, Picoseconds time);
 
   Signals& signals_;
-  // Registers of the window.
+  // The window: registers through which programs access the registers below.
   std::uint32_t data_ = 0;
   std::uint32_t window_mask_ = 0;
   std::uint32_t window_flags_ = 0;

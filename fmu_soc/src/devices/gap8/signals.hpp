@@ -31,12 +31,13 @@ inline constexpr std::int64_t kReferenceClockHz = 32768;
 struct Signals {
   std::function<void(unsigned event)> raise_fabric_event = [](unsigned) {};
   std::function<void(unsigned event, Picoseconds now)> raise_soc_event = [](unsigned, Picoseconds) {};
-  /// Called before the fabric controller's clock changes. A new receiver must also call the previous function.
+  /// Called before the fabric controller's clock changes. A receiver that replaces this function must also call the
+  /// replaced function.
   std::function<void(Picoseconds now)> clock_changes = [](Picoseconds) {};
   /// Settings that the FLLs and the SoC control have requested; nullopt on boards without GAP8's power devices.
   std::optional<PowerSettings> power;
   std::optional<std::int32_t> exit_code;
-  /// Number of cluster cores of this chip; not part of a state.
+  /// Number of cluster cores of this chip; not part of a saved state.
   unsigned cluster_cores = 0;
 
   void visit(state::Visitor& v) {

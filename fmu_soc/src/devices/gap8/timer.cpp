@@ -129,7 +129,7 @@ bool TimerCounters::store(std::uint32_t offset, std::int64_t now, std::uint32_t 
   count(now);
   const auto index = offset / 4 % 2;
   auto& counter = counters_[index];
-  // In a pair, the low counter stores the 64-bit value and the match.
+  // In a pair, the low counter stores the 64-bit value, and whether this value has reached the compare value (`met`).
   const auto owner = is_pair() ? 0U : index;
   if (offset >= kSpan) return false;
   switch (offset / 8) {
@@ -186,7 +186,7 @@ std::int64_t TimerCounters::next_event() const {
 
 namespace {
 
-/// Limit of a number of counts, beyond the length of any mission.
+/// An event after more than this number of counts counts as never. It would be after the end of any mission.
 constexpr std::uint64_t kFarCounts = std::uint64_t{1} << 48;
 
 }  // namespace
@@ -221,7 +221,7 @@ Picoseconds Timer::time_of(std::uint32_t config, Picoseconds since, std::uint64_
 
 namespace {
 
-/// Limit of a number of ticks, beyond the length of any mission.
+/// An event after more than this number of ticks counts as never. It would be after the end of any mission.
 constexpr std::int64_t kFarTicks = std::int64_t{1} << 56;
 
 }  // namespace

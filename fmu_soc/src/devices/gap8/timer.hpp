@@ -24,8 +24,8 @@ class TimerClock {
   virtual std::int64_t never() const = 0;
   /// Returns by how much a counter with this configuration increases between two times.
   virtual std::uint64_t counts(std::uint32_t config, std::int64_t from, std::int64_t to) const = 0;
-  /// Returns the time at which a counter has made `counts` further counts since `since`, or never() if this time is out
-  /// of range.
+  /// Returns the time at which a counter has increased by `counts` since `since`, or never() if this time is out of
+  /// range.
   virtual std::int64_t time_of(std::uint32_t config, std::int64_t since, std::uint64_t counts) const = 0;
 };
 
@@ -41,7 +41,7 @@ class TimerCounters {
   TimerCounters(const TimerClock& clock, std::function<void(unsigned counter)> raise)
       : clock_(clock), raise_(std::move(raise)) {}
 
-  /// load() and store() return false if there is no such register.
+  /// If no register has this offset, load() and store() return false.
   bool load(std::uint32_t offset, std::int64_t now, std::uint32_t& value);
   bool store(std::uint32_t offset, std::int64_t now, std::uint32_t value);
   /// Updates the counts to `now`. Must be called before the clock changes.

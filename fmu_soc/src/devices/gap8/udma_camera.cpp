@@ -182,8 +182,8 @@ void UdmaCamera::cancel(const UdmaTransfer& /*transfer*/, Picoseconds /*now*/) {
   forget();
 }
 
-/// Discards the frame in progress. A picture of the picture roll is kept for the next frame, because pictures of the
-/// roll do not depend on the time.
+/// Discards the frame in progress. If the pictures are from the PictureRoll of a run without a world, keeps the picture
+/// for the next frame, because it does not depend on the time.
 void UdmaCamera::lose_frame() {
   frame_at_ = kNever;
   if (roll_.exists()) return;

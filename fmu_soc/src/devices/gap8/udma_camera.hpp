@@ -43,8 +43,8 @@ class UdmaCamera final : public UdmaPeripheral {
   Picoseconds end_time(const UdmaTransfer& transfer, Picoseconds start) override;
   void end(const UdmaTransfer& transfer) override;
   void cancel(const UdmaTransfer& transfer, Picoseconds now) override;
-  /// Returns the start of the exposure of the transfer's frame or, after the picture has arrived, the end of the
-  /// transfer. If that time is not known yet, returns kNever.
+  /// Until the picture has arrived, returns the start of the exposure of the transfer's frame. Afterwards, returns the
+  /// end of the transfer. If the time is not known yet, returns kNever.
   Picoseconds next_event() const;
   void advance(Picoseconds now);
   void registers_changed(std::uint32_t offset, Picoseconds now) override;

@@ -24,7 +24,7 @@ class UdmaI2c final : public UdmaPeripheral {
   void visit(state::Visitor& v) override;
 
  private:
-  /// Meaning of the next byte of the command stream.
+  /// Meaning of the next byte that the master fetches from the program's commands.
   enum class Next : std::uint32_t { command, divider_high, divider_low, repeats, data, waits };
 
   struct Master {
@@ -43,8 +43,8 @@ class UdmaI2c final : public UdmaPeripheral {
     }
   };
 
-  /// Executes one byte of the command stream. Returns the number of SoC clocks that this byte takes. If `acts` is
-  /// false, only computes this number.
+  /// Executes one byte of the commands that the master fetches. Returns the number of SoC clocks that this byte takes.
+  /// If `acts` is false, only computes this number.
   double obey(Master& master, std::uint8_t byte, bool acts, Picoseconds now);
   double command(Master& master, std::uint8_t byte, bool acts);
   void write(Master& master, std::uint8_t byte, Picoseconds now);

@@ -48,7 +48,7 @@ class UdmaPeripheral {
   /// Cancels a transfer that has begun. Copies no bytes.
   virtual void cancel(const UdmaTransfer& /*transfer*/, Picoseconds /*now*/) {}
 
-  /// Access registers that the board file does not describe. Return false if there is no such register.
+  /// Access registers that the board file does not describe. If no register has this offset, return false.
   virtual bool load(std::uint32_t /*offset*/, std::uint32_t& /*value*/) { return false; }
   virtual bool store(std::uint32_t /*offset*/, Picoseconds /*now*/, std::uint32_t /*value*/) { return false; }
   /// Called after a store into a register that the board file describes.

@@ -38,7 +38,7 @@ class Camera final : public Device {
   /// A picture up to this size is stored without a new allocation.
   static constexpr std::size_t kReservedBytes = std::size_t{512} * 512;
 
-  /// Throws Error if the entry lacks a state.
+  /// Throws Error if the entry lacks the state `idle` or `active`.
   Camera(const BoardDevice& entry, DeviceHost& host);
 
   /// Returns true if the camera waits for the picture with this number. Otherwise offer() must not be called.

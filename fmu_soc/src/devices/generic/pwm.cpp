@@ -15,7 +15,7 @@ namespace mebots::soc {
 namespace {
 
 /// Models a timer with four PWM outputs. PERIOD and DUTY are buffered: new values take effect at the start of the next
-/// period. The device has an event only while new values wait for that start.
+/// period. If no new values wait for that start, next_event() returns kNever.
 class Pwm final : public Device {
  public:
   bool load(std::uint32_t offset, Picoseconds now, std::uint32_t& value) override;

@@ -15,7 +15,8 @@ constexpr double uniform_number(std::uint64_t state) {
   return static_cast<double>((state ^ (state >> 31)) >> 11) * 0x1p-53;
 }
 
-/// Returns the state for the first of the `count` numbers of `index`. The numbers depend only on `seed` and `index`.
+/// Each `index` has `count` random numbers, which depend only on `seed` and `index`. Returns the state for the first of
+/// them.
 constexpr std::uint64_t random_state(std::uint64_t seed, std::uint64_t index, unsigned count) {
   return seed * 0xd1342543de82ef95U + index * count * kSplitMixStep + kSplitMixStep;
 }

@@ -28,7 +28,7 @@ class TestFinisher final : public Device {
   static constexpr std::uint32_t kFail = 0x3333;
   static constexpr std::uint32_t kPass = 0x5555;
   static constexpr std::uint32_t kReset = 0x7777;
-  // Equal to the exit code after a fault.
+  // Exit code of a reset, which is also the exit code of a fault.
   static constexpr std::int32_t kResetCode = 101;
 
   DeviceHost& host_;

@@ -252,7 +252,7 @@ TEST(Request, IsVisibleAtTheNextCommunicationPoint) {
       "_start: .option norvc\nli s0, FLIGHT_BASE\naddi a0, zero, 3\nsw a0, FLIGHT_MODE_OFFSET(s0)\n.rept "
       "95\nnop\n.endr\n"
       "sw zero, FLIGHT_COMMIT_OFFSET(s0)\n1: j 1b\n");
-  // The time is measured, because li FLIGHT_BASE may be one or two instructions.
+  // `at` becomes the time of the commit. It is measured, because li FLIGHT_BASE may be one or two instructions.
   BoardSystem probe(program, {}, BoardSystem::without_caches());
   std::int64_t at = 0;
   while (probe.output("setpoint.mode") == 0) probe.soc.advance(at += 1);

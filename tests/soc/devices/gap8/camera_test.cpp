@@ -67,7 +67,7 @@ TEST(Gap8Himax, HasTheFrameTimesThatWereMeasuredOnAnAiDeck) {
   set(sensor, 0x0100, 1, 1'000'000);
   EXPECT_EQ(sensor.frame_at(0), 1'000'000);
   EXPECT_NEAR(static_cast<double>(sensor.frame_at(1'000'001) - 1'000'000), 21.557e9, 1e6);
-  // 244 rows in 16.3 ms need 260 lines.
+  // With the window of 244 rows, a frame has 260 lines and takes 16.3 ms.
   set(sensor, 0x3010, 1);
   set(sensor, 0x0340, 1);
   set(sensor, 0x0341, 4);
@@ -372,8 +372,9 @@ TEST_P(Gap8CameraCommand, StoresALateFrameWithTheSensorsSettingsOfItsReadOut) {
   EXPECT_EQ(stored_by(system), picture_of(Himax::kWindowHeight));
 }
 
-/// Returns the frame of a window in RGB565, weighted by the filter. If a register of the interface is given, it is
-/// cleared after the window's last row.
+/// Returns the bytes that the program stores for one picture. The camera interface passes only a window of the picture,
+/// converts it to RGB565, and weights it by its filter. If `cleared_behind_it` is the offset of a register, clears this
+/// register after the window's last row.
 std::vector<std::uint8_t> stored_frame_of_a_window(std::optional<std::uint32_t> cleared_behind_it) {
   BoardSystem system(takes_a_picture(), {}, gap8_board_of_camera());
   *system.soc.devices().input("camera.frame_height") = Himax::kWindowHeight;

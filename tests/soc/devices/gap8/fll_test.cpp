@@ -177,7 +177,8 @@ fault: j fault
   EXPECT_EQ(controller.instructions_translated() + cluster.instructions_translated(), translated);
 }
 
-/// The tick of a core that fell asleep before a change of clock counts periods of the old clock.
+/// A core that fell asleep before a change of the clock has counted periods of the old clock. Its time must not be
+/// later than the present.
 TEST(Gap8Cluster, SleepingCoresHaveATimeAfterAChangeOfClock) {
   Gap8System by_core(core_that_changes(set_cluster_clock(762), {Meanwhile::sleeps, 0b10}), {}, Gap8System::gap8());
   run_to_tohost(by_core);
