@@ -36,7 +36,7 @@ def speeds(t):
 
 
 def command(p, t):
-    """Returns the commands that give the rotors of drone-models the speeds of speeds()."""
+    """Returns the commands with which the rotors of drone-models turn at the speeds speeds(t)."""
     rpm, change = speeds(t), SWING * TURN * np.cos(TURN * t + PHASE)
     up, _, _, down = p["rotor_dyn_coef"]
     return np.where(change > 0, rpm + change / up, np.sqrt(rpm**2 + change / down))
@@ -53,7 +53,8 @@ def reference(p, gyroscopic_sign):
                                                 "mixing_matrix", "drag_matrix", "rotor_dyn_coef")}
         _, _, acc, rate_dot, *_ = dynamics(pos, quat, vel, rate, command(p, t), rpm, **params)
         if gyroscopic_sign:
-            # Corrects the term along x, which has the wrong sign in version 0.1.0 of drone-models: the torque would do work.
+            # In drone-models 0.1.0, the gyroscopic torque about x has the wrong sign, so it would do work. Adds twice the
+            # correct torque.
             momentum = p["prop_inertia"] * np.sum(np.array(p["mixing_matrix"])[-1] * rpm) * 2 * np.pi / 60
             rate_dot = rate_dot + np.linalg.solve(inertia, [2 * rate[1] * momentum, 0, 0])
         quat_dot = 0.5 * np.array([

@@ -27,7 +27,7 @@ namespace mebots::world {
 /// Called with a sentence that describes an event of the flight.
 using EventLog = std::function<void(std::string_view)>;
 
-/// The type of a drone and its variables, which must outlive it.
+/// The model, parameters, inputs and outputs of a drone. Parameters, inputs and outputs must outlive the drone.
 struct DroneSetup {
   std::string name;  ///< "drone[2]", for messages; empty for the drone of an FMU of one
   scene::Drone model;
@@ -46,7 +46,8 @@ struct Around {
   Views views;
 };
 
-/// The effect of the calibration parameters, except on the drag, which the drone applies.
+/// The result of the calibration parameters: the factor of the dry mass, and warnings for the user. The factor of the
+/// drag is not stored here, because calibrate() applies it to the drone's model.
 struct Calibration {
   double dry_mass_factor = 1;
   std::vector<std::string> warnings;
@@ -62,7 +63,7 @@ class Drone {
   /// Places the drone at its start. Throws mebots::Error for invalid values.
   Drone(const Around& around, std::size_t index, DroneSetup setup, std::int64_t start_ns);
 
-  /// Writes the first outputs. The world must have found the touches at the start. Throws mebots::Error if the drone
+  /// Writes the first outputs. Call RigidWorld::find_touches() before this function. Throws mebots::Error if the drone
   /// overlaps another object.
   void start(std::int64_t start_ns, const Others& others);
 
@@ -72,7 +73,7 @@ class Drone {
   void push(const Eigen::Vector3d& wind_W_m_per_s, const DownwashForce& downwash);
   /// Reads the body's new state.
   void move();
-  /// Evaluates contacts and gates, and advances the flight sequence.
+  /// Evaluates contacts and gates, and updates the phase of the flight, such as `climbing` or `landed`.
   void judge(std::int64_t end_ns, double dt_s);
   /// Updates the sensors, then the flight control.
   void control(std::int64_t end_ns, double dt_s, const Others& others);

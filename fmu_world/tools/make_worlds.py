@@ -348,8 +348,8 @@ def warehouse():
 
 
 def shift_picture(name, left, bottom, edge):
-    """Shifts a picture cyclically, so that its lower left corner is at (left, bottom) if it repeats from the world's
-    origin."""
+    """Shifts the picture of a ground texture cyclically. The texture repeats every `edge` metres from the world's origin. After
+    the shift, the picture's lower left corner appears at (left, bottom)."""
     grey = np.asarray(Image.open(THINGS / name))
     size = grey.shape[0]
     save(name, np.roll(grey, (-round(bottom / edge * size), round(left / edge * size)), axis=(0, 1)))

@@ -51,7 +51,8 @@ std::string list_of(const std::string& title, const std::vector<Argument>& argum
   return text;
 }
 
-/// Converts the footer. A line that ends with a colon becomes a section title. Indented lines are copied unchanged.
+/// Converts the footer of a program's help to sections of its manual page. A line that ends with a colon becomes a
+/// section title. Indented lines are copied unchanged.
 std::string sections_of(const std::string& footer) {
   std::string text;
   bool is_literal = false;

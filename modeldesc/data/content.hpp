@@ -63,7 +63,7 @@ struct Document::Content {
 std::vector<Value> parse(std::string_view text, const std::string& name, const TextLines& lines,
                          std::vector<Mistake>& mistakes);
 
-/// Converts JSON in memory to a list of values, in the order of `Value`.
+/// Converts JSON in memory to a list of values. The comment of Value describes their order.
 std::vector<Value> values_of(const nlohmann::ordered_json& json);
 
 /// Replaces zero bytes by the JSON escape \u0000. A zero byte would end the message of what() early.

@@ -40,7 +40,8 @@ std::size_t bounded_distance(std::string_view a, std::string_view b, std::size_t
       if (swapped) row[j] = std::min(row[j], before_last[j - 2] + 1);
       nearest = std::min(nearest, row[j]);
     }
-    // A later row depends only on the two rows before it, so its values are not below the minimum of these two rows.
+    // Each row of the table of distances depends only on the two rows before it. Therefore no value in a later row is
+    // below the minimum of these two rows.
     if (std::min(nearest, nearest_of_last) > most) return most + 1;
     nearest_of_last = nearest;
   }
@@ -71,7 +72,7 @@ std::string suggest(std::string_view wrong, std::span<const std::string> known) 
   };
   std::vector<Candidate> candidates;
   for (const auto& name : known) {
-    // If one name contains the other, both are near, regardless of their difference in length.
+    // If one name contains the other, they count as similar, even if their lengths differ much.
     const bool contained = wrong.size() >= 3 && name.size() >= 3 &&
                            (name.find(wrong) != std::string::npos || wrong.find(name) != std::string_view::npos);
     const auto most = contained ? 1 : std::max<std::size_t>(1, std::max(wrong.size(), name.size()) / 3);

@@ -47,8 +47,8 @@ std::string packed_text(std::string_view bytes) {
   return encode_base64(std::span(reinterpret_cast<const std::uint8_t*>(packed.data()), packed.size()));
 }
 
-/// Fills the page. `connect` is the value of `connect-src` in the page's content security policy: the source from which
-/// the page may fetch data.
+/// Fills in a page's title, style, script and data. `connect` is the value of `connect-src` in the page's content
+/// security policy: the source from which the page may fetch data.
 std::string fill(const PageParts& parts, const std::string& title, std::string_view connect, std::string_view data) {
   auto page = parts.frame;
   put(page, "title", escaped(title + " - MEbots"));

@@ -6,7 +6,7 @@
 namespace mebots::shell {
 namespace {
 
-/// Each row contains the states in which a function may be called.
+/// The functions, each with the states in which it may be called.
 namespace call {
 using namespace legal;
 constexpr std::uint8_t kStatus = kStepComplete | kStepFailed | kTerminated;

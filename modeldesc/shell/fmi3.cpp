@@ -9,7 +9,7 @@
 namespace mebots::shell {
 namespace {
 
-/// Each row contains the states in which a function may be called.
+/// The functions, each with the states in which it may be called.
 namespace call {
 using namespace legal;
 constexpr Function kSetDebugLogging{"fmi3SetDebugLogging", kAlive};

@@ -31,7 +31,8 @@ double to_s(std::int64_t time_ns) {
 }
 
 /// Returns the greatest difference at which two times count as equal. Tools that add up steps accumulate rounding
-/// errors. The difference is less than half a step, so that communication points are distinct.
+/// errors. With steps of at least 4 us, the difference is at most half a step, so that communication points are
+/// distinct.
 double time_tolerance_s(double time_s, double step_s) {
   return 1e-6 + std::min(1e-9 * std::abs(time_s), step_s / 4);
 }

@@ -54,7 +54,7 @@ class Instance final : public Host {
   /// current value of the structural parameter.
   std::size_t elements_of(const Variable& variable) const;
 
-  /// Takes a step. Checks the arguments first. If the model throws, the state becomes `error`.
+  /// Advances from point_s by step_s. Checks the arguments first. If the model throws, the state becomes `error`.
   void do_step(double point_s, double step_s);
   double time_s() const;
   Status last_step_status() const { return last_step_status_; }

@@ -46,7 +46,8 @@ void Logger::set_logging(bool on, std::span<const char* const> categories) {
     if (name == nullptr) throw Error("a log category is a null pointer");
     find(name);
   }
-  // If `on` is true, a list of categories enables these categories and disables all others.
+  // If `on` is true, enables the listed categories and disables all others. If `on` is false, disables the listed
+  // categories. An empty list means all categories.
   if (categories.empty() || on)
     for (Category& category : categories_) category.on = on && categories.empty();
   for (const char* const name : categories) find(name)->on = on;

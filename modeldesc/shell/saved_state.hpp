@@ -38,7 +38,7 @@ struct Owner {
   std::string_view token;
 };
 
-/// Serializes the state, with a header that identifies its owner.
+/// Serializes the state. The header identifies the FMU and the build in `owner`.
 std::vector<std::byte> serialize(const Owner& owner, const SavedState& saved);
 
 /// Reads a serialized state. Throws mebots::Error if the bytes are damaged or belong to another FMU or version. Does

@@ -27,7 +27,7 @@ void check_limits(const Variable& variable, double value) {
                             with_unit(variable.max, variable)));
 }
 
-/// Calls `action` for each variable of the causality, except variables without a field.
+/// Calls `action` for each variable of the causality, except variables for which the generated structs have no field.
 template <typename Action>
 void for_each_field(const Definition& definition, Causality causality, Action action) {
   for (const Variable& variable : definition.variables)

@@ -36,7 +36,7 @@ void check_value(const Variable& variable, fmi2Integer value);
 void check_boolean(const Variable& variable, fmi2Boolean value);
 void check_value(const Variable& variable, fmi2String value);
 
-/// The instance's own copies of binary inputs. The key is the first row of the input.
+/// The instance's own copies of binary inputs. The key is the row of the input's first part in the variable table.
 using Binaries = std::map<fmi2ValueReference, std::vector<std::uint8_t>>;
 
 /// All values of one causality, by FMI name, as saved states contain them. Pointers are not saved. After a restore,

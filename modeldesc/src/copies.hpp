@@ -19,8 +19,9 @@ data::Node read_repeat(const data::Node& node, Description& description);
 
 void read_copies(data::Object& object, Field& field, const Description& description);
 
-/// Checks the parameter that contains the number of copies. `node` is the result of read_repeat(). Call this function
-/// after all variables were read.
+/// Adds a mistake if the parameter that contains the number of copies does not exist, or if it has an unsuitable type,
+/// causality, variability or minimum. `node` is the result of read_repeat(). Call this function after all variables
+/// were read.
 void check_repeat(const data::Node& node, const Description& description);
 
 /// Sets the FMI names of all fields for `count` copies. Throws mebots::Error if two variables would have the same name,

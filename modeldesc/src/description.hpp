@@ -11,7 +11,7 @@
 #include <variant>
 #include <vector>
 
-/// The checked content of description.json, from which all files are generated.
+/// The checked content of description.json. generate() writes all its files from this content.
 namespace mebots::modeldesc {
 
 enum class FieldType { real, integer, boolean, string, binary, enumeration };

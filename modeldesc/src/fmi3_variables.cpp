@@ -22,8 +22,9 @@ std::string common_stem(const Group& group) {
   return std::ranges::all_of(group.words, has_stem) ? stem : "";
 }
 
-/// Returns the field's name with {group} replaced by the common stem of its words. If the words have no common stem,
-/// removes {group} (drone.position for drone.position.{axis}), or at the start of the name replaces it by the group's
+/// Returns the name of the array for a field whose name contains {group}. Replaces {group} by the common stem of the
+/// group's words, such as "rotor" for "rotor[1]" and "rotor[2]". If the words have no common stem, removes {group}:
+/// drone.position.{axis} becomes drone.position. If such a name starts with {group}, replaces {group} by the group's
 /// name.
 std::string array_name(const Field& field, const Group& group) {
   std::string name = field.name;
@@ -37,7 +38,8 @@ std::string array_name(const Field& field, const Group& group) {
   return name;
 }
 
-/// Returns the name of the array that contains all copies of a variable: drone.rotor.thrust for rotor.thrust.
+/// Returns the name of the FMI 3.0 array that contains a variable of all copies, such as drone.rotor.thrust for
+/// rotor.thrust.
 std::string name_over_copies(const Repeat& repeat, const std::string& name) {
   return name.starts_with(repeat.word + '.') ? name : repeat.word + '.' + name;
 }
@@ -46,8 +48,8 @@ std::string array_text(const Field& field, const Group& group) {
   return common_stem(group).empty() ? fmt::format("{} ({})", field.text, fmt::join(group.words, ", ")) : field.text;
 }
 
-/// Throws Error if the description does not permit that the group becomes part of an array over all copies. In such an
-/// array, the elements of one copy must be adjacent.
+/// Throws Error if the group of a field with copies is not an array of fixed size. The copies of the field form one
+/// array in FMI 3.0, in which the elements of one copy must be adjacent.
 void check_repeated_group(const Description& description, const Field& field, const Group* group) {
   if (group == nullptr || (group->is_array && group->size_source.empty())) return;
   throw Error(ErrorCode::invalid_value,

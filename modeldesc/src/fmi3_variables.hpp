@@ -10,7 +10,8 @@
 
 namespace mebots::modeldesc {
 
-/// A variable of FMI 3.0: a whole field of the description, or one element of a field whose group is not an array.
+/// A variable of FMI 3.0. It represents a whole field of the description, or one element of a field whose group is not
+/// an array.
 struct Fmi3Variable {
   const Field* field = nullptr;
   std::string name;

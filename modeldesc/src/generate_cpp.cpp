@@ -149,7 +149,7 @@ void write_structs(std::string& out, const Description& description, const std::
   }
 }
 
-/// Returns the prefix of the structs for one copy: "Drone" for the word drone.
+/// Returns the prefix for the names of the generated structs of one copy, such as "Drone" for "DroneInputs".
 std::string struct_prefix(const Repeat& repeat) {
   std::string prefix = repeat.word;
   prefix.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(prefix.front())));
@@ -205,7 +205,8 @@ std::string limit(const std::optional<double>& value, std::string_view none) {
   return value ? fmt::format("{}", *value) : std::string(none);
 }
 
-/// The FMI 3.0 variable that begins in a row of the variable table.
+/// Entries of the variable table that describe an FMI 3.0 variable. They are in the row of the variable's first
+/// element.
 struct Rows3 {
   std::size_t elements = 0;
   std::string size_row = "mebots::fmu::kFixedSize";
@@ -213,7 +214,8 @@ struct Rows3 {
   std::size_t per_size = 1;
 };
 
-/// Returns the FMI 3.0 variable that begins in each row. Other rows have no entry.
+/// Returns the entries for each FMI 3.0 variable. The key is the row of the variable's first element in the variable
+/// table.
 std::map<std::size_t, Rows3> fmi3_rows(const Description& description) {
   std::map<std::size_t, Rows3> rows;
   for (const Fmi3Variable& variable : fmi3_variables(description)) {

@@ -29,7 +29,8 @@ constexpr std::uint32_t kMachX86 = 7;
 constexpr std::uint32_t kMachX86_64 = kMach64Bit | kMachX86;
 constexpr std::uint32_t kMachArm64 = kMach64Bit | 12;
 
-// FMI 2.0 names six platforms and permits other names. The other platforms have the names of FMI 3.0 here.
+// FMI 2.0 defines names for six platforms and permits other names. In this table, the other platforms have the names of
+// FMI 3.0 for both versions.
 constexpr Platform kPlatforms[] = {
     {elf, 64, EM_X86_64, "linux64", "x86_64-linux", ".so", "x86-64 Linux"},
     {elf, 32, EM_386, "linux32", "x86-linux", ".so", "32-bit x86 Linux"},

@@ -106,8 +106,8 @@ void add_structure(const Description& description, ModelDescription& result) {
     for (std::size_t i = 0; i < field.fmi_names.size(); ++i) {
       const std::size_t copy = i / field.words;
       const auto dependencies = with_indices({}, field.depends_on, copy);
-      // The first outputs may depend on every parameter, because the model is created from all parameters. They may
-      // depend on every input unless the description excludes it.
+      // The initial value of an output may depend on every parameter, because the model is created from all parameters.
+      // It may depend on every input unless the description excludes it.
       std::optional<std::vector<std::size_t>> first;
       if (field.first_depends_on) first = with_indices(parameters, *field.first_depends_on, copy);
       for (const std::size_t index : by_name.at(field.fmi_names[i])) {

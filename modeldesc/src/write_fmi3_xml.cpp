@@ -94,7 +94,8 @@ void write_variables(Element root, const std::vector<Fmi3Variable>& variables, s
   for (const Fmi3Variable& variable : variables) write_variable(element, variable);
 }
 
-/// Converts entries of FMI 2.0's model structure, which refer to rows, to entries for variables of FMI 3.0.
+/// Writes elements of <ModelStructure> for FMI 3.0. `unknowns` refer to variables of FMI 2.0, of which several may form
+/// one variable of FMI 3.0.
 void write_unknowns(Element structure, const char* name, const std::vector<Unknown>& unknowns,
                     const std::vector<Fmi3Variable>& variables) {
   const auto variable_of = [&](std::size_t row) {

@@ -69,7 +69,8 @@ Rows rows_of(const ModelDescription& description) {
   return rows;
 }
 
-/// Returns the table's rows for FMI 3.0. The start values of an array's elements share one cell.
+/// Returns the rows of the page's table of variables for FMI 3.0. The start values of an array's elements share one
+/// cell.
 Rows fmi3_rows(const Description& description, const ModelDescription& common) {
   Rows rows;
   for (const Fmi3Variable& variable : fmi3_variables(description)) {

@@ -145,8 +145,9 @@ class Element {
   pugi::xml_node node_;
 };
 
-/// Number of variables after which the memory of their elements is returned to the system. Otherwise, elements and
-/// variables together would double the peak memory for a description with a million variables.
+/// Each time the reader has read this number of variables, it returns the memory of their XML elements to the system.
+/// Otherwise, the XML elements and the variables together would double the peak memory for a description with a million
+/// variables.
 inline constexpr std::size_t kVariablesPerTrim = 1 << 16;
 void release_free_memory();
 
@@ -158,7 +159,7 @@ std::optional<Initial> default_initial(Causality causality, Variability variabil
 std::string model_identifier(const Element& element);
 
 /// Reads the attributes of the root element that all versions of FMI have into `result`. `guid` is the name of the
-/// attribute with ModelDescription::guid.
+/// attribute for ModelDescription::guid: "guid" or "instantiationToken".
 void read_head(const Element& root, const char* guid, ModelDescription& result);
 
 /// Reads the elements that have the same form in all versions of FMI into `result`: <UnitDefinitions>, <LogCategories>,

@@ -5,8 +5,9 @@
 //   pull = grip (x - y) + damping (x' - other_velocity), the force on the mass at y
 //
 // With grip = 0, the FMU is a mass on a spring. Its input is a force, its output is the velocity. With grip > 0, it
-// also has a spring to another mass, whose velocity is an input. In a step, the inputs are v + d tau. The classical
-// Runge-Kutta method with 64 steps makes internal errors negligible compared with those of the coupling.
+// also has a spring to another mass, whose velocity is an input. In a step, an input with the value v and the
+// derivative d is v + d tau at the time tau after its start. The classical Runge-Kutta method with 64 steps makes
+// internal errors negligible compared with those of the coupling.
 //
 //   energy = m v^2/2 + k x^2/2 + grip (x - y)^2/2
 //

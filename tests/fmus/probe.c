@@ -4,9 +4,10 @@
 //   real_out = gain * real_in + offset     (direct, also in initialisation mode)
 //   integral += h * real_in                (forward Euler with the step's held input)
 //   integer_out = integer_in + 1, boolean_out = !boolean_in, string_out = string_in + "!"  (direct)
-//   steps counts steps, last_end and last_step hold t + h and h of the last one
-//   set_backs counts the steps after which an earlier state may be set (noSetFMUStatePriorToCurrentPoint is false)
-//   fault names the fault that occurs in the step that reaches fault_time
+//   steps is the number of steps; last_end and last_step are t + h and h of the last step
+//   set_backs is the number of steps with noSetFMUStatePriorToCurrentPoint = false, after which the importer may set an
+//   earlier state
+//   fault is the name of the fault that occurs in the step that reaches fault_time
 // With PROBE_STEADY, its only faults are "slow" and "error", and it imports no function that changes the process
 // (steady.fmu). Like some FMUs, it lacks the functions of capabilities that it does not declare.
 #define _GNU_SOURCE
@@ -322,7 +323,7 @@ static void* say_from_a_thread(void* argument) {
   return NULL;
 }
 
-// Misuses the logger. `fault` selects the way. The tests contain the resulting messages.
+// Misuses the logger in the way that `fault` selects. Returns 0 if `fault` does not select a misuse of the logger.
 static int abuse_logger(Probe* p, const char* fault) {
   void* own = p->callbacks.componentEnvironment;
   if (strcmp(fault, "log_foreign") == 0) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads any text as a cell and as converters. The reader must throw Error, or return data that a model can use.
+// Reads any text as the file of a battery cell, and as the file of converters. Each reader must throw Error, or return
+// data. A cell must have a finite capacity above 0.
 #include "cell.hpp"
 #include "converter.hpp"
 

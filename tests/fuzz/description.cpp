@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Reads any text as a description.json. The reader must throw Error, or return a description. After writing and
-// reading, the modelDescription.xml of this description must have the same content.
+// Reads any text as a description.json. The reader must throw Error, or return a description. The modelDescription.xml
+// that is written for this description must contain all its variables.
 #include "description.hpp"
 
 #include "generate.hpp"
@@ -14,8 +14,8 @@ namespace {
 
 using namespace mebots;
 
-/// Returns the text of FMI 3.0. If arrays have the names of other variables, which FMI 3.0 forbids, returns an empty
-/// text.
+/// Writes the files for FMI 3.0, and returns the instantiation token. If an array has the name of another variable,
+/// which FMI 3.0 forbids, returns an empty text.
 std::string fmi3_token(const modeldesc::Description& description, const modeldesc::ModelDescription& model) {
   try {
     const auto text = write_fmi3_xml(description, model);

@@ -40,7 +40,7 @@ void require_sound(const ModelDescription& model) {
   }
 }
 
-/// Returns false if the sizes of arrays would take seconds for a single input.
+/// Returns false if one fuzz input would take seconds, because its arrays have too many elements.
 bool is_small(const ModelDescription& model) {
   constexpr std::uint64_t kMost = 1000;
   std::uint64_t total = 0;
@@ -56,7 +56,7 @@ bool is_small(const ModelDescription& model) {
   return total <= kMost;
 }
 
-/// Checks that the number of elements is finite, and that only aliases share a reference.
+/// Replaces arrays by their elements. The result must be sound, and each element must have a unique value reference.
 void require_elements(const ModelDescription& model) {
   const auto elements = mebots::modeldesc::with_elements(model);
   require_sound(elements);

@@ -108,8 +108,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   debugger = {{reinterpret_cast<const char*>(data), size}, false};
   debug::GdbServer server(0, soc, debug::GdbServer::Kill::ends_run, [](std::string_view) {});
   if (!server.hart(0).before(soc.hart(0))) return 0;
-  // A request that continues the program ends a conversation. A step, a watchpoint and a breakpoint start the next
-  // conversation.
+  // If a request continues the program, the server stops reading requests. It reads further requests when retired()
+  // finds a step, a watchpoint or a breakpoint.
   Retired retired;
   retired.access = {kRam, sizeof(std::uint32_t), true};
   for (auto left = debugger.said.size() + 1; debugger.said.size() < left;) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Reads any text as a modelDescription.xml. The reader must throw Error, or return a description. After writing and
-// reading, the description must be the same. The checks of `mebots check` must not crash in either case.
+// Reads any text as a modelDescription.xml. The reader must throw Error, or return a description whose indices of
+// variables are valid. The checks of `mebots check` must not crash.
 #include "checks.hpp"
 #include "mebots/error.hpp"
 #include "mebots/modeldesc/xml.hpp"

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads any text as a scenario file, alone and for a system. The reader must throw Error, or return overrides of
-// existing instances.
+// Reads any text as a scenario file, first without a system, then for a system of four instances. Each reader must
+// throw Error or accept the text. For the system, all overrides must be of existing instances. After an Error, the
+// system must have no overrides.
 #include "io/config/load_system.hpp"
 #include "mebots/error.hpp"
 #include "memory_file.hpp"

@@ -9,7 +9,7 @@
 
 namespace mebots::fuzz {
 
-/// Checks the properties on which callers of the readers of configs and SSPs rely.
+/// Checks the properties of a system on which the callers of its readers (configs, SSPs) rely.
 inline void require_sound(const master::SystemDescription& system) {
   require(system.step.numerator > 0, "the step is above 0");
   const auto grid = system.grid();

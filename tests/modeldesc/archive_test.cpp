@@ -228,7 +228,7 @@ TEST_F(ArchiveTest, DamagedContentIsNoticed) {
   std::string content(5000, ' ');
   for (std::size_t i = 0; i < content.size(); ++i) content[i] = static_cast<char>('a' + i * i % 23);
   std::string bytes = read_file(with_entry("a", content));
-  // This byte belongs to the packed bytes of the second entry. The directory follows at the end.
+  // This byte is in the compressed content of the second entry. The archive's directory is at the end of the file.
   bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 0x55);
   write_file(folder_.path() / "damaged.fmu", bytes);
   try {

@@ -40,7 +40,7 @@ TEST(ShellValues, FollowTheAnalyticSolutionInStepsOfAnySize) {
   for (const double h : {0.1, 0.001, 0.25, 1e-6, 0.5, 0.05}) {
     ASSERT_EQ(lag.step(t, h), fmi2OK) << lag.last_message();
     t += h;
-    // The result is a product of six exponentials, so the relative error is a few roundings of 1e-16.
+    // The result is a product of up to six exponentials. Each adds a relative rounding error of about 1e-16.
     EXPECT_NEAR(lag.real("left.y"), 5 * (1 - std::exp(-t)), 1e-14);
     EXPECT_NEAR(lag.real("right.y"), -3 * (1 - std::exp(-t / 2)), 1e-14);
   }

@@ -28,8 +28,8 @@ NAMES = {"linux64": ("linux64", "x86_64-linux", ".so"), "win64": ("win64", "x86_
 KINDS = {"Real": "real", "Integer": "integer", "Enumeration": "integer", "Boolean": "boolean", "String": "string",
          "Float64": "real", "Int32": "integer", "UInt64": None, "Binary": None}
 
-# The inputs follow a course with a mean and half of a range. The start of an input's name selects the course. Other inputs keep
-# their start values.
+# The inputs follow a saw tooth. COURSES maps the start of an input's name to the mean and the amplitude of its saw tooth. Other
+# inputs keep their start values.
 COURSES = {"motors.power": (6.0, 2.0), "chip.power": (0.1, 0.05), "rotor": (0.55, 0.1), "bus.voltage": (3.8, 0.1), "body.speed": (1.0, 1.0)}
 THRUST_N = (0.11, 0.02)
 
@@ -39,8 +39,8 @@ def bits(value):
 
 
 def course(name, step):
-    """Returns an input's value at a step. The course is a saw tooth, which needs no library function. For inputs that stay
-    constant, returns None.
+    """Returns an input's value at a step. The values form a saw tooth, whose computation needs no function of a mathematical
+    library. For inputs that stay constant, returns None.
     """
     mean_range = next((value for start, value in COURSES.items() if name.startswith(start)), None)
     if name.endswith(".thrust"):
@@ -97,7 +97,7 @@ class Fmu:
         return self.folder / "binaries" / (fmi3 if self.is_fmi3 else fmi2) / (self.identifier + suffix)
 
     def orders(self, platform, steps=STEPS):
-        """Returns the list of orders for run_fmu. Under wine, the file system is drive Z:."""
+        """Yields the lines for run_fmu. Under wine, the file system is drive Z:."""
         drive = "Z:" if platform == "win64" else ""
         resources = f"{drive}{self.folder}/resources"
         if not self.is_fmi3:

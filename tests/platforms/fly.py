@@ -5,8 +5,8 @@
 
 COMMAND is run_fmu of this folder. This program is the master: outputs at a communication point are inputs of the next step. It
 has no code in common with MEbots. Pictures reach the chip as base64. Each platform has its own instances, which are connected
-only with each other. LIMIT is the longest real time of a flight in seconds. If it ends a flight, the report contains the simulated
-time at the end. The exit code is 1 if a value differs, or if the chip took no picture.
+only with each other. LIMIT is the longest real time of a flight in seconds. If this limit stops a flight, the report contains
+the simulated time that the flight has reached. The exit code is 1 if a value differs, or if the chip took no picture.
 """
 
 import argparse

@@ -62,7 +62,7 @@ class System:
         return instance
 
     def orders(self, instance, values):
-        """Returns the orders that set the connected inputs of an instance."""
+        """Returns the lines for run_fmu that set the connected inputs of an instance."""
         return [instance.set(target[1], values[source]) for source, target in self.links if target[0] == instance.name]
 
     def started(self, command):

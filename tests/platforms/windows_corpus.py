@@ -28,7 +28,7 @@ FOLDERS = {"windows": NAMES["win64"], "linux": NAMES["linux64"]}
 
 
 class Archive:
-    """An FMU's platforms, tool and steps to try. Reads the description as text, because some descriptions of the corpus are not
+    """An FMU's platforms, tool and step sizes to try. Reads the description as text, because some descriptions of the corpus are not
     well-formed."""
 
     def __init__(self, path):
@@ -81,7 +81,8 @@ def run(program, fmu, start_s, step, folder, *more):
 
 
 def try_steps(program, fmu, start_s, steps, folder):
-    """Runs with the first step that works. Returns rows, outcome and this step."""
+    """Runs the FMU with one step size after the other until a run succeeds. Returns its rows, its outcome and the step size. If
+    no run succeeds, returns None, the outcome of the first run, and None."""
     first = None
     for step in steps:
         rows, outcome = run(program, fmu, start_s, step, folder, "--record", "*")

@@ -177,7 +177,7 @@ class WindowsFmu(unittest.TestCase):
         self.assertIn("locale: 1,5", done.stderr, "the FMU has set a locale with a decimal comma")
 
     def check(self, kind):
-        """Returns the result of the plain run of `mebots check` and its findings."""
+        """Runs `mebots check`. Returns the result and the findings of its check that runs the FMU under wine."""
         done = subprocess.run([MEBOTS, "check", "--json", f"{kind}/probe.fmu"], cwd=self.folder, capture_output=True, text=True, timeout=200,
                               check=False)
         plain = next(check for check in json.loads(done.stdout)["checks"] if "under wine" in check["name"])

@@ -81,8 +81,8 @@ class Part:
         return any(file.is_relative_to(folder) for folder in self.public)
 
     def layer(self, folder):
-        """Returns the index of a folder's layer in the order, and the entry that contains the folder. If no entry contains it,
-        returns None.
+        """Returns (index of the folder's layer, the layer's entry that contains the folder). Index 0 is the lowest layer. If
+        several entries contain the folder, the longest entry counts. If no entry contains it, returns None.
         """
         found = None
         for place, layer in enumerate(self.layers):
@@ -103,7 +103,7 @@ class Structure:
                          for name in includes_of(root / file)]
 
     def find(self, file, name):
-        """Returns the file of MEbots that an include with this name reads. For other files, returns None."""
+        """Returns the file that `file` includes under this name. If that file is not part of MEbots, returns None."""
         part = self.owners[file]
         paths = [file.parent, *part.paths, *(path for other in self.parts.values() for path in other.paths)]
         for path in paths:

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Tests that the product follows the order in tests/structure/layers.json, and that the checker finds each kind of violation."""
+"""Tests that the includes and imports of the product follow the layers in tests/structure/layers.json, and that the checker
+finds each kind of violation."""
 import json
 import tempfile
 import unittest

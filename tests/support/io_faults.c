@@ -49,7 +49,8 @@ static long number_of(const char* variable) {
   return text == NULL ? 0 : atol(text);
 }
 
-// IO_FAULTS_COUNTS is the path of a file with KINDS numbers. The numbers are kept even if the process crashes.
+// IO_FAULTS_COUNTS is the path of a file with one counter for each kind of call. The file keeps the counters even if
+// the process crashes.
 __attribute__((constructor)) static void read_environment(void) {
   flag = getenv("IO_FAULTS_FLAG");
   const char* in = getenv("IO_FAULTS_FOLDER");

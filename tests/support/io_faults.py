@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Builds the library of io_faults.c. Runs programs whose calls for files of a folder fail."""
+"""Builds the library of io_faults.c, and runs programs with it. The library makes calls of the C library for the files of one
+folder fail."""
 
 import array
 import errno
@@ -59,7 +60,8 @@ def numbers(count, most):
 
 
 def table_row(files, kind, fault, count, ends):
-    """Returns a row of the table of faults. ``ends`` counts the outcomes of a fault. The empty text is the required outcome."""
+    """Returns a row of the Markdown table of faults. ``ends`` is a Counter of the outcomes. An empty text means the required
+    outcome."""
     others = "; ".join(f"{number}: {text}" for text, number in ends.items() if text)
     return f"| {files} | {kind} | {fault} | {ends.total()} of {count} | {ends['']} | {others} |"
 

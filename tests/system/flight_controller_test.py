@@ -11,9 +11,10 @@ import sys
 import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-# The largest permitted root mean square of estimate - truth in flight: two to three standard deviations of the observers. The
-# noise of the flow sensor is 0.41 m/s per sample at 1 m. This noise and that of the gyroscope give 0.065 m/s and 0.016 rad. The
-# noise of the range sensor is 2.5 mm. In a climb, its lag is added.
+# The greatest permitted root mean square of estimate - truth in flight. Each limit is two to three times the standard deviation
+# that the sensors' noise causes in the firmware's observers. The noise of the flow sensor is 0.41 m/s per sample at a height of
+# 1 m. Together with the noise of the gyroscope, it causes 0.065 m/s and 0.016 rad. The noise of the range sensor is 2.5 mm. In
+# a climb, the sensor's lag also causes an error.
 LIMITS = {
     ("fc.estimate.roll", "world.drone.roll"): 0.035,
     ("fc.estimate.pitch", "world.drone.pitch"): 0.035,

@@ -34,7 +34,8 @@ def bench_power(mass):
 
 
 def motor_power(mass, voltage):
-    """Returns the same power by the equations of a rotor file with a section `motor`."""
+    """Returns the electrical power [W] of four rotors that carry this mass [kg] at a bus voltage [V]. Uses the equations for
+    rotor files with a section `motor`."""
     rotor = json.loads((ROOT / "fmu_motors/params/rotors/crazyflie_legacy.json").read_text())
     emf, ohm, ripple = (rotor["motor"][key]["value"] for key in ("back_emf", "resistance", "ripple_conductance"))
     square = mass * GRAVITY / 4 / rotor["thrust_coefficient"]["value"]

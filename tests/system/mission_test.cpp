@@ -48,7 +48,7 @@ TEST_F(GateEasy, DroneTakesOffPassesTheGateAndLands) {
   ASSERT_EQ(flight_->exit_code, 0) << flight_->output;
   EXPECT_EQ(flight_->summary.at("outcome"), "passed") << flight_->output;
   const auto altitude = values("world.drone.position.z");
-  // The motors start slowly, as real motors do. Meanwhile, the reference of the climb already advances.
+  // While the motors start, the reference altitude already rises. Therefore the drone may overshoot the altitude.
   EXPECT_NEAR(*std::max_element(altitude.begin(), altitude.end()), 1.0, 0.2);
   EXPECT_LT(altitude.back(), 0.05);
   EXPECT_EQ(values("world.gate.touched").back(), 0);
@@ -90,8 +90,8 @@ TEST_F(GateEasy, EveryJouleOfTheCellIsAccountedFor) {
 }
 
 TEST_F(GateEasy, BatteryDeliversWhatTheLoadsReportOneStepLater) {
-  // The battery receives a load's mean power of one step in the next step, so only the energy of the last step is
-  // missing.
+  // The battery receives a load's mean power of a step one step later. Therefore its count lacks the energy of the last
+  // step.
   const double reported = values("motors.energy").back();
   const double delivered = values("battery.motors.energy").back();
   const double under_way = values("motors.power").back() * 0.002;

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Runs the start of configs/hover_16.json. Checks that the statistics in the summary follow from its values, and that the summary
-names a drone that differs.
+"""Runs the start of configs/hover_16.json. Checks that the statistics in the summary are those of the 16 drones' values, and
+that they name the drone whose battery is less charged.
 
 Usage: swarm_test.py MEBOTS
 """

@@ -29,7 +29,7 @@ CUT_S = 6
 
 
 def config_file(folder, name, scenario=None):
-    """Writes a config of the mission that records the line and the set-points at every communication point."""
+    """Writes a config of the mission that records the bytes on the UART and the set-points at every communication point."""
     config = json.loads((CONFIGS / "gate_easy_uart.json").read_text(encoding="utf-8"))
     config["changes"]["record"] = {"variables": ["*.uart.*", "*.setpoint.*", "fc.companion.*", "*.cycles", "world.drone.phase"],
                                    "texts": True, "interval": 0.001, "exclude": None}
@@ -49,8 +49,8 @@ class Mission:
         self.summary = json.loads((out / "summary.json").read_text(encoding="utf-8"))
 
     def line(self, sender):
-        """Returns (end of the stop bit [ps], value) of each byte on the line. Checks that the numbers of the bytes are
-        consecutive."""
+        """Returns (end of the stop bit [ps], value) of each byte that `sender` has sent on the UART. Checks that the recorded
+        byte numbers are consecutive."""
         found = []
         for index, row in enumerate(self.rows):
             words = row[f"{sender}.uart.sent"].split()

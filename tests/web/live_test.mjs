@@ -67,8 +67,8 @@ async function header(live, query = "") {
   return JSON.parse(new TextDecoder().decode(new Uint8Array(bytes.buffer, 4, bytes.getUint32(0, true))));
 }
 
-/** Forwards a browser's requests to the run. `seen` gets the path and the text of each answered request. If `refusal` returns a status for a path, the
- * request is not forwarded and gets it. */
+/** Forwards a browser's requests to the run. Calls `seen` with the path, the text and the status of each answered request. If `refusal`
+ * returns a status for a path, answers the request with this status and does not forward it. */
 async function forward(live, { seen = () => {}, refusal = () => null }) {
   const server = createServer(async (asked, answer) => {
     const pieces = [];

@@ -100,7 +100,8 @@ def write_rare(file, configs):
 
 
 def cost(macs, cycles, clock=87e6, cores=8):
-    """Returns the costs of a layer of an invented network, at 30 pJ per cycle of a core. The sums of all accounts are equal."""
+    """Returns the costs of a layer of an invented network, at 30 pJ per cycle of a core. The energies in `parts` add up to
+    `energy`. The cycles in `causes` and `asleep` add up to the cycles of all cores."""
     causes = {"base": 5 * cycles, "cache": cycles // 2, "bank_conflict": cycles // 4, "far_memory": cycles // 8, "load_use": 0, "other": 0}
     energy_j = 30e-12 * cores * cycles
     return {

@@ -340,8 +340,8 @@ const tests = {
       const note = await page.$eval("#flame-note", (text) => text.textContent);
       const [, energy, start, stop] = /^([^,]*J), .* from ([\d.]+) s to ([\d.]+) s/.exec(note);
       assert.ok(Number(start) <= from + 1e-9 && Number(stop) >= to - 1e-9 && stop - start < to - from + 0.05, note);
-      // Windows start and end between rows. Their energy is between that of the rows inside and that of the rows
-      // around.
+      // A window of the profile may start or end between two rows of results.csv. Therefore its energy differs a little from the difference
+      // between two rows.
       const at = (time) => energies[Math.min(times.findIndex((each) => each >= time - 0.006), times.length - 1)];
       const wanted = at(Number(stop)) - at(Number(start));
       assert.ok(Math.abs(numberOf(energy) - wanted) < 0.004 * wanted + 0.03 * 6e-3, `${note}: not ${wanted} J`);

@@ -312,7 +312,7 @@ try {
       const worst = { strokes: 0, drawn: 0 };
       for (let i = 1; i <= 20; ++i) {
         [window.strokes, drawn] = [0, 0];
-        // Several movements before a frame must be drawn once.
+        // Several movements of the brush before the next frame must cause only one drawing.
         for (const part of [0.3, 0.6, 1]) canvas.setBrush(1, [0, (i - 1 + part) / 20]);
         while (selection.dirty.size > 0) await new Promise(requestAnimationFrame);
         worst.strokes = Math.max(worst.strokes, window.strokes);

@@ -215,7 +215,7 @@ TEST(Robots, BadInputIsNamed) {
                 Fleet(shipped_scene("yard"), with_robots(1), {{0.6, 0.0, 0.06}});
               }),
               HasSubstr("deep in robot[1]"));
-  // ODE ends the process if a product of such numbers is not finite.
+  // ODE ends the process if a product of large numbers is not finite.
   EXPECT_THAT(error_of([] {
                 Fleet fleet(shipped_scene("yard"), with_robots(2), {{}});
                 fleet.inputs.robot_yaw_rate_rad_per_s[0] = 1.7e308;

@@ -116,7 +116,8 @@ TEST(CameraDevice, NoiseOfAPictureDependsOnItsNumberAlone) {
     many.inputs.camera_trigger = i;
     many.step();
   }
-  // The drone is at rest on the ground, so its pictures from all poses differ by much less than a grey level.
+  // The drone is at rest on the ground, so its camera hardly moves. Without noise, the pictures would differ by much
+  // less than a grey level.
   const auto a = copy(one.outputs.camera_frame);
   const auto b = copy(many.outputs.camera_frame);
   int largest = 0;

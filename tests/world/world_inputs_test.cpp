@@ -107,8 +107,8 @@ TEST(WorldAlone, RunsAtStartValuesWithAnyStepUpToATenthOfASecond) {
 }
 
 TEST(WorldAlone, AStepOfADayIsTwoOfHalfADay) {
-  // For some fractions of this step, nanoseconds times the numerator exceed 63 bits. The noise depends on the
-  // sensors' times.
+  // The step of 1e14 ns has 100,000 inner steps. Products in the computation of their times exceed 63 bits. A wrong
+  // time would change the sensors' noise.
   constexpr std::int64_t kDay_ns = 100'000'000'000'000;
   test::RigParameters parameters = FlightRig::small_camera();
   parameters.physics_step_s = 1.0;

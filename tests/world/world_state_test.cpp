@@ -139,7 +139,8 @@ TEST(WorldState, AFinerInnerStepConvergesWithFirstOrder) {
   const Eigen::Vector3d fine = end_of(1.25e-4);
   const double at_2ms = (end_of(2e-3) - fine).norm();
   const double at_1ms = (end_of(1e-3) - fine).norm();
-  // Errors relative to the finest step: (2 - 1/8) / (1 - 1/8) = 2.14 for first order.
+  // The errors are relative to the result with the finest step, 1/8 ms. For a method of first order, the expected
+  // ratio is (2 - 1/8) / (1 - 1/8) = 2.14.
   EXPECT_NEAR(at_2ms / at_1ms, 15.0 / 7.0, 0.1);
   EXPECT_LT(at_1ms, 0.02);
 }

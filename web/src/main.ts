@@ -119,7 +119,7 @@ function timeOfAddress(): number | null {
   return found ? Number(found[1]) : null;
 }
 
-/** Creates the stage. Returns null if the first run has no scene, or if the browser has no WebGL. */
+/** Creates the view of the scene. Returns null if the first run has no scene, or if the browser has no WebGL. */
 function makeStage(runs: Run[], clock: Clock): Stage | null {
   const run = runs[0];
   if (!run.scene?.bodies?.length) return null;

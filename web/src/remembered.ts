@@ -10,7 +10,7 @@ export function remember(name: string, size: number | null): void {
     if (size === null) localStorage.removeItem(PREFIX + name);
     else localStorage.setItem(PREFIX + name, String(Math.round(size)));
   } catch {
-    // The size is valid until the page closes.
+    // If the browser refuses to store data, the size is lost when the page closes.
   }
 }
 

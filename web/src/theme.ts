@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The palette of Okabe and Ito, whose colours people with any colour vision can distinguish. On a dark background, the
-// blue is lighter, and black is omitted. Brown is added for a ninth curve.
+// Colours of curves. Most are from the palette of Okabe and Ito, which people with any colour vision can distinguish.
+// On a dark background, all colours are lighter.
 
 const LIGHT = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#b58900", "#56b4e9", "#5c4d9e", "#7f7f7f", "#8c564b"];
 const DARK = ["#4ea8de", "#f0803c", "#2fc79a", "#e39ac4", "#e6c14a", "#8fd3ff", "#a394e8", "#a9a9a9", "#c49c94"];
@@ -43,7 +43,7 @@ const CIVIDIS = [
   [195, 179, 105], [225, 204, 85], [254, 232, 56],
 ];
 
-/** Converts a share from 0 to 1 to red, green and blue from 0 to 1. On a dark background, the dark end is lighter. */
+/** Converts a share from 0 to 1 to a colour of CIVIDIS: red, green and blue from 0 to 1. */
 export function scaleColour(share: number): [number, number, number] {
   const place = Math.min(Math.max(share, 0), 1) * (CIVIDIS.length - 1);
   const first = Math.min(Math.floor(place), CIVIDIS.length - 2);

@@ -41,7 +41,7 @@ struct FaceCover {
   std::uint32_t object;
 };
 
-/// The covers of all faces, in the order of the faces.
+/// The FaceCover of each face, in the order of the faces.
 struct FaceCovers {
   explicit FaceCovers(const std::vector<Face>& faces);
   std::span<const Eigen::Vector3d> corners_of(const FaceCover& face) const {

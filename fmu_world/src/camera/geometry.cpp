@@ -34,7 +34,7 @@ std::array<Vector3d, 3> axes_of(const Thing& thing) {
   return {R.col(0), R.col(1), R.col(2)};
 }
 
-/// Adds the mover of an object on a path. Returns its index. If the object does not move, returns kStatic.
+/// If an object moves on a path, adds a Mover for its faces and returns the Mover's index. Otherwise returns kStatic.
 template <typename Thing>
 std::size_t add_mover(Geometry& geometry, const Thing& thing) {
   if (!thing.path.moves()) return Face::kStatic;
@@ -169,7 +169,8 @@ void add_cylinder(Geometry& geometry, const scene::Cylinder& cylinder, std::size
   }
 }
 
-/// Returns the two axes of a mesh that a texture without coordinates uses on a triangle: u to the right, v up.
+/// Returns the axes u (to the right) and v (up) of a texture on a triangle without texture coordinates. They are the
+/// two axes of the mesh's frame that are most perpendicular to the triangle's normal.
 std::array<Vector3d, 2> axes_on(const Vector3d& normal_M) {
   int most = 2;
   for (const int axis : {0, 1}) {
@@ -245,7 +246,8 @@ void add_object(Geometry& geometry, const SceneObject& object, std::size_t first
   for (std::size_t i = first_face; i < geometry.faces.size(); ++i) geometry.faces[i].object = index;
 }
 
-/// Adds the boxes, cylinders and meshes of a scene or robot. `mover_of` returns the index of an object's mover.
+/// Adds the boxes, cylinders and meshes of a scene or robot. `mover_of` returns an object's index in
+/// Geometry::movers, or kStatic.
 template <typename Things, typename MoverOf>
 void add_things(Geometry& geometry, const Things& things, MoverOf mover_of) {
   for (const scene::Box& box : things.boxes) {

@@ -20,8 +20,8 @@ inline constexpr std::uint32_t kNoObject = UINT32_MAX;
 
 /// A flat convex part of a surface, visible only from its front.
 ///
-/// Depth, texture and light depend on the plane and the mapping. The corners only determine the covered pixels.
-/// Therefore the parts of a divided face look exactly like the whole face.
+/// The depth, texture and light at a point depend only on the plane and the texture axes. The corners only determine
+/// the covered pixels. Therefore the parts of a divided face look exactly like the whole face.
 struct Face {
   Eigen::Vector3d normal_W;                  ///< unit, out of the front
   double offset_m = 0.0;                     ///< the plane is normal . p = offset
@@ -38,8 +38,8 @@ struct Face {
   static constexpr std::size_t kStatic = SIZE_MAX;
 };
 
-/// Faces that move together. On a path, they rotate about the vertical through `origin_W_m`, and are then shifted. If
-/// they belong to a drone or robot, their positions are in the body's frame.
+/// Moves a set of faces together. On a path, the faces rotate about the vertical through `origin_W_m`, and are then
+/// shifted. If the faces belong to a drone or robot, their corners are in the body's frame.
 struct Mover {
   static constexpr std::size_t kNoBody = SIZE_MAX;
   scene::Path path;
@@ -68,12 +68,13 @@ struct Geometry {
 /// Returns the light on a surface by Lambert's law: ambient + sun max(0, normal . to_sun).
 double lambert(const scene::Lighting& lighting, const Eigen::Vector3d& normal_W);
 
-/// Builds ground, boxes, cylinders, meshes and gates. For a gate with beams, this is the outside of Gate::beams(). A
-/// cylinder has 32 sides. Undersides of boxes at or below the ground are omitted, because they are never visible. There
-/// are no shadows. Axes of the textures: the ground uses the world's x and y from the origin. A mesh uses its own
-/// coordinates, or the axes of its frame. On vertical sides, the first axis is horizontal to the right and the second
-/// axis is up, from the lower left corner seen from outside. A gate's front and back share one pattern. Tops and
-/// bottoms use the solid's x and y, from the corner with the least x and y.
+/// Builds the faces of the ground, and of a scene's boxes, cylinders, meshes and gates. A gate with beams gets the
+/// outer faces of its four beams. A cylinder has 32 sides. Undersides of boxes at or below the ground are omitted,
+/// because they are never visible. There are no shadows. Axes of the textures: the ground uses the world's x and y from
+/// the origin. A mesh uses its texture coordinates. Without them, it uses two axes of its frame. On vertical sides, the
+/// first axis is horizontal to the right and the second axis is up, from the lower left corner seen from outside. A
+/// gate's front and back share one pattern. Tops and bottoms use the solid's x and y, from the corner with the least x
+/// and y.
 Geometry make_geometry(const scene::Scene& scene);
 
 /// The radius of a rotor's disc, divided by the rotor's distance from the centre along x. Neighbouring discs do not

@@ -107,8 +107,8 @@ Outline::Outline(const Picture& picture, std::span<const Vector3d> corners_C_m, 
 
   const auto [left, right] = std::minmax_element(x.begin(), x.begin() + corners);
   const auto [top, bottom] = std::minmax_element(y.begin(), y.begin() + corners);
-  // Returns the first row whose centre is at or below the coordinate y, or the first column whose centre is at or right
-  // of the coordinate x.
+  // Returns the first row whose centre is not above the coordinate `at`, or the first column whose centre is not left
+  // of it.
   const auto first_at = [](std::int32_t at, int count) {
     static_assert(kOne == 1 << 12);
     return static_cast<int>(std::clamp<std::int64_t>((at - kHalf + kOne - 1) >> 12, 0, count));
@@ -133,7 +133,8 @@ Outline::Outline(const Picture& picture, std::span<const Vector3d> corners_C_m, 
         first, end,  down ? 1 : -1, 1.0 / (static_cast<double>(dy) * static_cast<double>(kOne))};
     if (down) begun_rows += end - first;
   }
-  // The outline is closed, so it crosses each row as often downwards as upwards.
+  // A closed outline crosses each row as often downwards as upwards. With one downward edge per row, each row has two
+  // crossings.
   two_crossings_ = begun_rows == end_row_ - first_row_;
 }
 

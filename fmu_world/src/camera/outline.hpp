@@ -12,7 +12,7 @@
 
 namespace mebots::world::camera {
 
-/// Parts of a face that are closer to the camera's plane than this distance are cut off.
+/// Parts of a face with a smaller depth along the camera's optical axis are cut off.
 inline constexpr double kNearPlane_m = 1e-3;
 /// The number of planes that cut a face. Each plane can add a corner.
 inline constexpr std::size_t kClipPlanes = 5;
@@ -55,8 +55,8 @@ class Outline {
       const int off = static_cast<int>(beyond < 0) - static_cast<int>(beyond >= denominator);
       column += off;
       beyond += off * denominator;
-      // In the next row, the quotient is greater by dx / dy. `whole` is the integer part of this growth. The remainder
-      // is subtracted from `beyond`.
+      // From one row to the next, numerator / denominator changes by dx / dy. `whole` is this change, rounded down. The
+      // remainder `rest` is subtracted from `beyond`.
       const std::int32_t whole = dx / dy - static_cast<int>(dx % dy < 0);
       const std::int64_t rest = (dx - static_cast<std::int64_t>(whole) * dy) * kOne;
       for (int row = first; row < end; ++row) {

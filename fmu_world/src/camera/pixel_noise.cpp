@@ -29,7 +29,8 @@ double upper_quantile(double tail) {
   return x;
 }
 
-/// The positive half of the samples before scaling, in falling order, and the sum of all squares.
+/// The noise table is symmetrical about 0. `upper` contains its positive values in falling order, before they are
+/// scaled to unit variance. `square_sum` is the sum of the squares of all values.
 struct Quantiles {
   std::array<double, kSamples / 2> upper{};
   double square_sum = 0.0;

@@ -50,8 +50,8 @@ Geometry checked(Geometry geometry) {
   return geometry;
 }
 
-/// The number of rows whose depths are tested together. In high strips, each face is in few strips. But the rows must
-/// fit into the first-level cache.
+/// The number of rows in a strip. All rows of a strip are rendered together. With more rows, a face occurs in fewer
+/// strips. But the depths of a strip must fit into the first-level cache.
 constexpr int kStripRows = Outline::kStripRows;
 
 constexpr std::int32_t kNothing = -1;
@@ -65,7 +65,8 @@ float left_centre(const Intrinsics& intrinsics) {
   return 0.5F - 0.5F * static_cast<float>(intrinsics.width);
 }
 
-/// A linear function of the viewing ray, as a function of the pixel: value(x, y) = at_0 + x along_x + y along_y.
+/// A linear function of a pixel's position, which is x to the right of and y below the picture's middle: value(x, y) =
+/// at_0 + x along_x + y along_y.
 struct PixelPlane {
   double at_0, along_x, along_y;
 };
@@ -82,12 +83,14 @@ float eye_texel(double along_axis_m, double edge_m, int size) {
   return static_cast<float>((tiles - std::floor(tiles)) * size);
 }
 
-/// True for the camera's own drone. If the picture has no positions of drones, true for all drones.
+/// True for the drone that carries the camera, and for each drone or robot whose position the pose does not contain.
 bool is_hidden(const Mover& mover, const Pose& pose) {
   return mover.body != Mover::kNoBody && (mover.body >= pose.bodies.size() || mover.body == pose.own_body);
 }
 
-/// Returns the camera's pose relative to a mover's position without its path, or relative to a drone's body.
+/// Returns the camera's pose in the coordinates of a mover's faces. For a drone or robot, this is the body's frame. For
+/// an object on a path, it is the world in which the object is at its position in the scene. If the mover is hidden,
+/// returns `pose` unchanged.
 Pose seen_from(const Mover& mover, const Pose& pose) {
   if (is_hidden(mover, pose)) return pose;
   if (mover.body != Mover::kNoBody) {
@@ -104,7 +107,7 @@ Pose seen_from(const Mover& mover, const Pose& pose) {
 FaceView view_of(const FaceCover& face, double light, const Pose& pose, double height_over_plane_m,
                  double focal_length_px) {
   MEBOTS_ASSERT(height_over_plane_m >= kEdgeOn_m);
-  // In the face's plane, a point on the ray at depth d along the optical axis fulfils normal . (p_WC + d ray) = offset.
+  // The ray of a pixel meets the face's plane at the depth d for which normal . (p_WC + d ray) = offset.
   const PixelPlane n = along_ray(face.normal_W, pose.R_WC, focal_length_px);
   const double per_height = -1.0 / height_over_plane_m;
   FaceView view;
@@ -232,13 +235,15 @@ void Renderer::sort_by_strip(int first_row, Workspace& workspace) {
   workspace.by_strip_.resize(workspace.faces_.size());
   for (std::size_t i = 0; i < workspace.faces_.size(); ++i)
     workspace.by_strip_[strips[strip_of(workspace.faces_[i])]++] = static_cast<std::int32_t>(i);
-  // Each entry is now the end of its strip, which is the start of the next strip. Moves the entries by one strip.
+  // Each entry is now the end of its strip's faces, which is the start of the next strip's faces. Shifts the entries,
+  // so that each is the start of its strip's faces.
   std::rotate(strips.begin(), strips.end() - 1, strips.end());
   strips[0] = 0;
   workspace.active_.clear();
 }
 
-/// Removes faces that end before the strip. Adds faces that start in it. Both lists have the order of the faces.
+/// Updates the list of faces that cover the strip: removes faces that end before it, and adds faces that start in it.
+/// The list keeps the order of the faces.
 void Renderer::enter_strip(std::size_t strip, int first, Workspace& workspace) {
   const auto& by_strip = workspace.by_strip_;
   std::size_t coming = workspace.strips_[strip];

@@ -16,7 +16,7 @@
 
 namespace mebots::world::camera {
 
-/// The geometry in the renderer's form. Constant after construction.
+/// A geometry, and the tables that the renderer derives from it. Constant after construction.
 struct Scenery {
   /// Throws mebots::Error if a face has fewer than 3 or more than 8 corners.
   explicit Scenery(Geometry all);
@@ -87,7 +87,7 @@ class Renderer {
     render(pose, seed, frame_index, pixels, workspace_);
   }
 
-  /// Works as the function above. Threads may call it at the same time if each has its own workspace.
+  /// Works as the overload without `workspace`. Threads may call it at the same time if each has its own workspace.
   void render(const Pose& pose, std::uint64_t seed, std::uint64_t frame_index, std::span<std::uint8_t> pixels,
               Workspace& workspace) const;
   Workspace make_workspace() const;
@@ -96,8 +96,8 @@ class Renderer {
   /// row 0 and has `width` numbers per row.
   void render_light(const Pose& pose, int first_row, int end_row, std::span<float> grey, Workspace& workspace) const;
 
-  /// Finds the planes that the pixels of the rows [first_row, end_row) show. `sights` starts at row 0. If `only` is the
-  /// index of an object, ignores all other objects.
+  /// Stores in `sights` which plane each pixel of the rows [first_row, end_row) shows. `sights` starts at row 0. If
+  /// `only` is the index of an object, ignores all other objects.
   void look(const Pose& pose, int first_row, int end_row, std::uint32_t only, std::span<Sight> sights,
             Workspace& workspace) const;
 
@@ -105,7 +105,8 @@ class Renderer {
   bool may_see(const Pose& pose, int first_row, int end_row, std::uint32_t object, Workspace& workspace) const;
 
  private:
-  /// Finds the faces that may be visible in the rows [first, end). `only` has the same meaning as in look().
+  /// Finds the faces that may be visible in the rows [first, end). If `only` is the index of an object, ignores all
+  /// other objects.
   void find_visible(const Pose& pose, int first_row, int end_row, std::uint32_t only, Workspace& workspace) const;
   static void sort_by_strip(int first_row, Workspace& workspace);
   /// Finds the nearest faces in a strip with the rows [first, end). Call this function after find_visible(), for the

@@ -13,7 +13,7 @@
 namespace mebots::world::camera {
 namespace {
 
-/// Unrounded grey levels of one level of the pyramid.
+/// The grey levels of a texture at one of its resolutions, not yet rounded.
 struct Level {
   int width;
   int height;

@@ -15,8 +15,9 @@ namespace mebots::world::camera {
 /// look-up per pixel avoids flicker and blur.
 ///
 /// All levels are in one array of 2S x 2S words for a tile of S x S texels. The level with width s = S / 2^k starts at
-/// column 2S - 2s. Rows have the same rule. Each 32-bit word contains a texel and its right, lower and lower right
-/// neighbours (from the low byte up, with wrap-around), so that a bilinear look-up reads one word.
+/// column 2S - 2s, and the level with height s starts at row 2S - 2s. Each 32-bit word contains a texel and its right,
+/// lower and lower right neighbours (from the low byte up, with wrap-around), so that a bilinear look-up reads one
+/// word.
 class Ripmap {
  public:
   /// Returns the grey level 0..255 of the tile at (u, v) in [0, 1).
@@ -26,7 +27,7 @@ class Ripmap {
   Ripmap(int size, int samples, const Pattern& pattern);
 
   int size() const { return size_; }
-  /// Returns log2 of the array's row length 2S.
+  /// Returns log2 of the number of words in a row of words().
   int row_shift() const { return row_shift_; }
   const std::uint32_t* words() const { return words_.data(); }
   /// Returns the size of the texture in memory, in bytes.

@@ -15,8 +15,8 @@
 namespace mebots::world::camera {
 namespace {
 
-/// Automatic exposure acts if mean and target differ by more than this number of grey levels: the HM01B0's
-/// CONVERGE_OUT_TH.
+/// Automatic exposure acts if mean and target differ by more than this number of grey levels. In the HM01B0 sensor,
+/// this is the register CONVERGE_OUT_TH.
 constexpr double kTolerance = 5.0;
 constexpr double kMostChange = 2.0;
 /// The least product of exposure and gain that automatic exposure sets, relative to the reference: an exposure of one
@@ -115,8 +115,8 @@ void Sensor::take(const PoseAt& pose_at, std::uint64_t seed, std::uint64_t frame
   MEBOTS_ASSERT(pixels.size() == sensor_.size());
   gather(pose_at);
   lens_.project(light_, static_cast<float>(light_factor_), sensor_);
-  // The noise of a grey level g has the variance reading^2 + g x (grey levels per electron). The gain multiplies the
-  // grey levels per electron.
+  // The noise at a grey level g has the variance reading + g shot. `shot` is the number of grey levels per electron,
+  // which is proportional to the gain.
   const auto reading = static_cast<float>(settings_.noise_std * settings_.noise_std);
   const auto shot = static_cast<float>(settings_.full_well > 0.0 ? 255.0 * gain() / settings_.full_well : 0.0);
   const auto width = static_cast<std::size_t>(intrinsics_.width);

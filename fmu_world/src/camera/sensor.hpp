@@ -36,9 +36,10 @@ struct SensorSettings {
 
 /// A camera's lens and sensor: picture = rounded (noise + light on the sensor x exposure x gain).
 ///
-/// The exposure of row r starts at t + r line_time. During the picture, the camera continues the motion that it has at
-/// t. The renderer uses one time for each band of eight rows, and `blur_samples` pictures per exposure. These are rows
-/// of the picture before distortion. Shot noise: the standard deviation of n electrons is sqrt(n).
+/// The exposure of row r starts at t + r line_time. Until the end of the last exposure, the camera continues the motion
+/// that it has at t. All eight rows of a band of the undistorted picture have the same time. With an exposure above 0,
+/// the light of a pixel is the mean of `blur_samples` renderings at times within its exposure. Shot noise: the standard
+/// deviation of n electrons is sqrt(n).
 ///
 /// Automatic exposure corrects the next picture if a picture's mean differs from the target by more than 5 grey levels.
 /// It multiplies the product of exposure and gain by target / mean, limited to 1/2 to 2. It increases the exposure

@@ -37,9 +37,9 @@ struct Axis {
   float fraction;      // of the way to the next texel
 };
 
-/// Computes a texture look-up. `texels` is the coordinate in texels of level 0. `footprint` is the pixel's extent in
-/// these texels. `size` is the tile's size. The level is the power of two nearest to the footprint on a logarithmic
-/// scale.
+/// Computes a texture look-up along one axis. `texels` is the coordinate in texels of level 0. `footprint` is the
+/// pixel's extent in these texels. `size` is the tile's size in texels. Chooses the level whose texels are nearest to
+/// the footprint in size, on a logarithmic scale.
 Axis look_up(float texels, float footprint, float size) {
   constexpr float kSqrt2 = 1.41421356F;
   const float limited = smaller(larger(footprint * kSqrt2, 1.0F), size);
@@ -63,8 +63,8 @@ const bool kHasLongVectors = __builtin_cpu_supports("avx2") != 0;
 constexpr bool kHasLongVectors = false;
 #endif
 
-/// Rounds a number of pixels up to whole vectors. Otherwise, short runs would spend most of their time on single
-/// pixels.
+/// Rounds a number of pixels up to a multiple of the vector's length. Otherwise, short spans would spend most of their
+/// time in a loop over the remaining single pixels.
 int whole_vectors(int count) {
   return (count + kVector - 1) / kVector * kVector;
 }

@@ -19,8 +19,8 @@ namespace mebots::world::crazyflie {
 ///
 /// A goal with velocities is the firmware's hover set-point: horizontal velocity relative to the heading, yaw rate,
 /// altitude. If the goal is to hold the position, the controller first brakes, and then holds the position at which the
-/// drone has stopped. With such a goal, it also moves the altitude set-point to the wanted altitude at the speeds in
-/// Gains.
+/// drone has stopped. While it brakes and holds, the altitude set-point moves to the goal's altitude at
+/// Gains::climb_m_per_s or Gains::descent_m_per_s.
 class Controller {
  public:
   static constexpr std::int64_t kAttitudePeriod_ns = 2'000'000;

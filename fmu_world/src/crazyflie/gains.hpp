@@ -8,8 +8,9 @@ namespace mebots::world::crazyflie {
 /// The published gains of the Crazyflie 2.x, in the firmware's units: degrees, m, s, and 1/65535 of a motor's full
 /// command. Source: bitcraze/crazyflie-firmware, commit 2a18fc29 (August 2026),
 /// src/platform/interface/platform_defaults_cf2.h (gains, limits), platform_defaults.h (filters),
-/// src/modules/src/controller/position_controller_pid.c (the 10 % beyond a limit, 1000 per m/s). The firmware also
-/// filters derivatives. For velocity and position, this filter is omitted here, because all kd are 0.
+/// src/modules/src/controller/position_controller_pid.c (thrust_per_output; output limits of 110 % of the greatest tilt
+/// and of the greatest speeds). The firmware also filters derivatives. For velocity and position, this filter is
+/// omitted here, because all kd are 0.
 struct Gains {
   PidGains roll_rate{.kp = 250.0, .ki = 500.0, .kd = 2.5, .integral_limit = 33.3, .output_limit = 32767.0};
   PidGains pitch_rate = roll_rate;

@@ -33,8 +33,9 @@ constexpr ThrustOverVoltage kThrustUpgrade{
     .most_n = 0.18,
 };
 
-/// Finds the voltage by Newton's method from 4 V. The cubics rise everywhere and are convex above 1.32 V. Therefore the
-/// iterates fall to a root above this voltage. A root below it takes more steps.
+/// Returns the motor voltage that gives a thrust. Uses Newton's method from 4 V. The thrust rises with the voltage, and
+/// is a convex function above 1.32 V, so the iterates fall to a root above 1.32 V. A root below 1.32 V takes more
+/// steps.
 double motor_voltage_v(double thrust_n, const ThrustOverVoltage& rotor) {
   double v = 4.0;
   constexpr int kSteps = 16;

@@ -33,7 +33,8 @@ const ThrustOverVoltage& thrust_over_voltage(Propellers propellers);
 /// the duty cycle is above 1. If the thrust is below the least thrust, the duty cycle is 0.
 double compensated(double share, double supply_v, const ThrustOverVoltage& rotor);
 
-/// Limits the shares to 0..1. If the greatest share exceeds 1, subtracts its excess from all four shares.
+/// Limits each motor's share of its full thrust to 0..1. If the greatest share exceeds 1, first subtracts its excess
+/// from all four shares.
 RotorValues capped(const RotorValues& shares);
 
 }  // namespace mebots::world::crazyflie

@@ -43,7 +43,7 @@ Eigen::Vector3d spin_torque(double rotor_inertia_kg_m2, const RotorValues& speed
   double momentum = 0.0;
   double growth = 0.0;
   for (std::size_t i = 0; i < kRotors; ++i) {
-    // The reaction torque is opposite to the direction of rotation.
+    // kRotorYawSign is the sign of the reaction torque, which is opposite to the rotor's rotation.
     momentum -= kRotorYawSign[i] * rotor_inertia_kg_m2 * speed_rad_per_s[i];
     growth -= kRotorYawSign[i] * rotor_inertia_kg_m2 * acceleration_rad_per_s2[i];
   }

@@ -39,9 +39,9 @@ struct Touch {
 /// space, whose order depends on earlier steps. To find pairs of drones that may touch, their positions are sorted
 /// along x.
 ///
-/// dWorldStep integrates semi-implicitly, with first order in dt: v' = v + a dt, p' = p + v' dt. Rotations are finite,
-/// and the gyroscopic torque is implicit. Drones that do not touch each other are solved separately. Each of them has
-/// the same bits as in a world without the others.
+/// dWorldStep integrates semi-implicitly, with first order in dt: v' = v + a dt, p' = p + v' dt. It integrates
+/// rotations as finite rotations, and the gyroscopic torque implicitly. Drones that do not touch each other are solved
+/// separately. Each of them has the same bits as in a world without the others.
 class RigidWorld {
  public:
   /// `body_sizes_m` contains the edges of each drone's box. `robots` is the number of the scene's robots.

@@ -21,7 +21,7 @@ struct GateFrame {
   Eigen::Vector3d in_gate(const Eigen::Vector3d& p_W_m) const { return R_WG.transpose() * (p_W_m - p_WG_m); }
 
   /// Both functions expect a point of the gate's plane in the gate's coordinates. The outline is the outer edge of the
-  /// border.
+  /// gate's frame.
   bool within_opening(const Eigen::Vector3d& p_G_m) const { return within(p_G_m, inner_m); }
   bool within_outline(const Eigen::Vector3d& p_G_m) const { return within(p_G_m, outer_m); }
 
@@ -58,9 +58,10 @@ struct GateEvent {
 ///
 /// The plane is in the middle of the frame's thickness. The opening's border belongs to the opening. "The whole drone"
 /// is its contact box. Along the gate's x axis n, the box extends e = (|n.x_B| l_x + |n.y_B| l_y + |n.z_B| l_z) / 2 to
-/// both sides of its centre, where l are the box's edges. The box is before the gate if x + e <= -thickness / 2, and
-/// after the gate if x - e >= thickness / 2. Between these two positions, the drone cannot leave the opening sideways,
-/// so repeated motion through the plane counts as one crossing.
+/// both sides of its centre, where l are the box's edges. If the box's centre is at x along n, the box is before the
+/// gate for x + e <= -thickness / 2, and after the gate for x - e >= thickness / 2. Between these two positions, the
+/// drone cannot leave the opening sideways. Therefore several passages of the centre through the plane count as one
+/// crossing.
 ///
 /// The way to the next gate may lead around a gate. Therefore a crossing becomes invalid only if the drone flies back
 /// through the gate's frame before it crosses the next gate. The flight must end after the last gate, so the crossing

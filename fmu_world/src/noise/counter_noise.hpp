@@ -38,7 +38,7 @@ constexpr std::uint64_t hashed(std::uint64_t x) {
   return x ^ (x >> 31);
 }
 
-/// Returns 64 well-mixed bits. Applies SplitMix64 once per word of the key.
+/// Returns 64 bits that depend only on seed, stream and index. Applies SplitMix64 once for each of the three.
 std::uint64_t bits(std::uint64_t seed, Stream stream, std::uint64_t index);
 
 /// Returns a sample of the normal distribution with mean 0 and standard deviation 1 (Box and Muller 1958).

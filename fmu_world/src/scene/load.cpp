@@ -321,7 +321,7 @@ auto gate_in(const File& folder) {
   };
 }
 
-/// Reports each part that has a path. Parts move only with their robot.
+/// Reports each part of a robot that has its own path, because parts move only with their robot.
 template <typename Part>
 void refuse_paths(const Node& robot, const char* key, const std::vector<Part>& parts) {
   for (std::size_t i = 0; i < parts.size(); ++i) {

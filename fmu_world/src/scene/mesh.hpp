@@ -16,8 +16,8 @@ namespace mebots::world::scene {
 
 using Picture = GreyPicture;
 
-/// The reflection of a surface. Grey levels are from 0 (black) to 255 (white). They are the levels that the camera sees
-/// under a light of 1.
+/// The reflection of a surface. Grey levels are from 0 (black) to 255 (white). They are the levels in the camera's
+/// picture if the light on the surface is 1.
 struct Texture {
   enum class Kind {
     uniform,  ///< `light` at every point

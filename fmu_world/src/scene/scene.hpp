@@ -101,8 +101,9 @@ Eigen::Quaterniond attitude_of(const Thing& thing) {
 }
 
 /// A frame through which the drone flies. The origin of its frame of reference G is in the middle of the opening; x is
-/// the direction of flight, y left, z up. Its attitude is defined as for Box. A square or rectangular gate consists of
-/// four beams; the two vertical beams have the full outer height. A circle is approximated by a polygon of 32 sides.
+/// the direction of flight, y left, z up. Its attitude is yaw about z, then pitch about the new y, then roll about the
+/// new x. A square or rectangular gate consists of four beams; the two vertical beams have the full outer height. A
+/// circle is approximated by a polygon of 32 sides.
 struct Gate {
   enum class Shape { square, rectangle, circle, polygon };
 

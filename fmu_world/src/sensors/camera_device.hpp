@@ -52,7 +52,7 @@ class CameraDevice {
   /// Returns the gates and drones in the last picture as JSON (docs/sensors.md describes the format). Empty if `labels`
   /// is false.
   std::string objects_text() const;
-  /// Returns the count of the last picture; 0 before the first picture.
+  /// Returns the trigger count with which the last picture was taken; 0 before the first picture.
   std::int32_t frame_id() const { return frame_id_; }
   /// Returns the exposure of the last picture; 0 before the first picture. gain() works in the same way.
   double exposure_s() const { return exposure_s_; }
@@ -75,7 +75,8 @@ class CameraDevice {
   camera::Pose pose_after(double after_s) const;
 
   Settings settings_;
-  /// Exactly one of these two exists: the sensor if a parameter needs it, otherwise the renderer.
+  /// Exactly one of these two has a value: the renderer if the settings of lens and sensor have no effect, otherwise
+  /// the sensor.
   std::optional<camera::Renderer> renderer_;
   std::optional<camera::Sensor> sensor_;
   std::array<std::vector<std::uint8_t>, 2> buffers_;

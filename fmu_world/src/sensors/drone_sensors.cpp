@@ -46,8 +46,8 @@ CameraDevice::Settings camera_settings(const DroneParameters& parameters, std::u
   return settings;
 }
 
-/// Returns the data of a sensor. Throws mebots::Error if the drone's file lacks them. The message says that `needs`
-/// requires the section.
+/// Returns the data of a sensor. If the drone's file lacks them, throws mebots::Error. The message names `needs`, which
+/// is the parameter that requires the data, and `section`, which is the missing section of the file.
 template <typename Data>
 const Data& described(const std::optional<Data>& data, const scene::Drone& drone, std::string_view needs,
                       std::string_view section) {

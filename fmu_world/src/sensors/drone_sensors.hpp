@@ -39,8 +39,8 @@ struct Motion {
   Eigen::Vector3d contact_force_W_n;  ///< sum of all contact forces
 };
 
-/// Owns the sensors of a drone. The noise of a sensor depends only on the seed, the drone's index, the sensor's stream
-/// and the number of the sample.
+/// Owns the sensors of a drone. The noise of a sensor depends only on the seed, the drone's index, the sensor's
+/// noise stream and the number of the sample.
 class DroneSensors {
  public:
   /// Throws mebots::Error if a parameter is invalid, or if it needs a sensor that the drone's file does not describe.

@@ -16,13 +16,13 @@
 
 namespace mebots::world {
 
-/// Five range sensors to the front, back, left, right and up, like Bitcraze's Multi-ranger deck. Each is on the surface
-/// of a box around the body's centre. All take their samples at the same time.
+/// Five range sensors to the front, back, left, right and up, like Bitcraze's Multi-ranger deck. Their distances
+/// from the body's centre are in MultirangerData::offset_m. All take their samples at the same time.
 class Multiranger {
  public:
   using Readings = std::array<double, direction::kCount>;
 
-  /// Throws mebots::Error if the settings require a cone, but the drone's file describes no range sensor.
+  /// Throws mebots::Error if `settings.model` is `cone`, but the drone's file does not describe a range sensor.
   Multiranger(std::shared_ptr<const RayCaster> rays, const scene::Drone& drone, const scene::MultirangerData& data,
               const Ranging::Settings& settings, std::uint64_t seed);
 

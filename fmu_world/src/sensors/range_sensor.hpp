@@ -26,7 +26,7 @@ class RangeSensor {
 
   using Settings = Ranging::Settings;
 
-  /// Throws mebots::Error if the settings select a cone, but the drone's file does not describe it.
+  /// Throws mebots::Error if `settings.model` is `cone`, but the drone's file does not describe a range sensor.
   RangeSensor(std::shared_ptr<const RayCaster> rays, const scene::Drone& drone, const Settings& settings,
               std::uint64_t seed);
 

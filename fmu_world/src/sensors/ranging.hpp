@@ -26,7 +26,7 @@ class Ranging {
     double noise_m = 0.0;  ///< of a ray's samples
   };
 
-  /// Throws mebots::Error if the settings select a cone, but the drone's file does not describe it.
+  /// Throws mebots::Error if `settings.model` is `cone`, but the drone's file does not describe a range sensor.
   Ranging(std::shared_ptr<const RayCaster> rays, const scene::Drone& drone, const Settings& settings);
 
   std::vector<Eigen::Vector3d> rays_around(const Eigen::Vector3d& direction_B) const;

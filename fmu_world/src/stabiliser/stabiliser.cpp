@@ -115,8 +115,8 @@ Eigen::Vector3d Stabiliser::wanted_torque(const StabiliserGoal& goal, const Rigi
       sine > 1e-12 ? Eigen::Vector3d(axis_B * (angle / sine)) : Eigen::Vector3d::Zero();
 
   const double turn_rad_per_s = goal.hold_place ? 0.0 : goal.yaw_rate_rad_per_s;
-  // The loop follows a wanted rate with the lag 1 / pole. The rate of the heading reference has the same lag, so that
-  // the heading does not overshoot.
+  // The heading follows a wanted yaw rate with the lag 1 / yaw_pole_per_s. The reference heading has the same lag, so
+  // that the heading does not overshoot.
   memory_.yaw_rate_rad_per_s += dt_s * gains_.yaw_pole_per_s * (turn_rad_per_s - memory_.yaw_rate_rad_per_s);
   const double lead_rad = std::clamp(wrapped_rad(memory_.heading_rad + dt_s * memory_.yaw_rate_rad_per_s - yaw_rad),
                                      -gains_.max_yaw_lead_rad, gains_.max_yaw_lead_rad);
@@ -181,7 +181,7 @@ Gains::Rotation Gains::rotation(double pole_per_s, double lag_s) {
 
 Gains Gains::for_lag(double rotor_lag_s) {
   Gains gains{};
-  // If the rotor's lag is below 1 / (3 p), uses 1 / (3 p), because such a short lag is negligible.
+  // If the rotor's lag is below 1 / (3 pole), uses 1 / (3 pole), because such a short lag is negligible.
   gains.tilt = rotation(gains.tilt_pole_per_s, std::max(rotor_lag_s, 1.0 / (3.0 * gains.tilt_pole_per_s)));
   gains.yaw = rotation(gains.yaw_pole_per_s, std::max(rotor_lag_s, 1.0 / (3.0 * gains.yaw_pole_per_s)));
   return gains;
@@ -191,7 +191,8 @@ namespace {
 
 using Point = scene::ThrustPoint;
 
-/// Interpolates linearly in the table: returns the member `to` where the member `from` is x.
+/// Interpolates linearly between the points: returns the value of the member `to` where the member `from` has the value
+/// x.
 double between(const std::vector<Point>& points, double Point::*from, double Point::*to, double x) {
   const auto above = std::upper_bound(points.begin() + 1, points.end() - 1, x,
                                       [from](double value, const Point& point) { return value < point.*from; });

@@ -77,7 +77,7 @@ class ThrustCurve {
   double max_thrust_n() const { return points_.back().thrust_n; }
   /// `thrust_n` must be from 0 to max_thrust_n().
   double command_for(double thrust_n) const;
-  /// `command` must be from 0 to the last command of the table.
+  /// `command` must be from 0 to the command of the last point.
   double thrust_for(double command) const;
 
  private:

@@ -52,7 +52,7 @@ Json face_json(const camera::Face& face, const camera::Tile& tile) {
   return json;
 }
 
-/// Returns the mover of a robot. Its position and heading are outputs of the FMU.
+/// Returns the JSON of a robot's motion. It names the FMU's outputs that contain the robot's position and heading.
 Json robot_json(std::size_t robot) {
   const std::string name = "robot[" + std::to_string(robot + 1) + "].";
   return {{"origin", json_of(Eigen::Vector3d::Zero())},

@@ -61,7 +61,8 @@ double Dryden::normal(std::int64_t index, std::size_t which) const {
 void Dryden::begin(std::int64_t index) {
   along_ = normal(index, 0);
   for (std::size_t axis = 0; axis < 2; ++axis) {
-    // The covariance of the two states is [1/2, 1/4; 1/4, 1/4].
+    // The filters start in their stationary distribution: the two states of a filter for y or z have the covariance
+    // [1/2, 1/4; 1/4, 1/4].
     const double first = normal(index, 1 + 2 * axis);
     const double second = normal(index, 2 + 2 * axis);
     across_[2 * axis] = std::sqrt(0.5) * first;

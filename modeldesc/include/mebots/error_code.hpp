@@ -35,7 +35,7 @@ enum class ErrorCode {
   fmu_not_found,
   fmu_unsupported,
   fmu_inconsistent,
-  // Errors in calls of functions.
+  // Errors in the arguments or the order of function calls.
   invalid_argument,
   wrong_call_order,
   not_offered,

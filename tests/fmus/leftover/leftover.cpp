@@ -25,7 +25,7 @@ fmi2Real* reals_of(fmi2Component component) {
 }
 void changed(fmi2Component) {}
 
-// Each branch defines one place for the data.
+// Each branch stores data in another place outside of the instances. LEFTOVER_NOTHING stores none.
 #if defined(LEFTOVER_NOTHING)
 void begin_instance() {}
 double next() {
@@ -38,7 +38,8 @@ double next() {
   return ++steps;
 }
 #elif defined(LEFTOVER_FIRST_INSTANCE)
-// The memory changes only once. Therefore only the first instance of a process has other results.
+// All instances after the first instance of a process get the same data. Therefore only the first instance has other
+// results.
 bool is_first = true;
 double kept = 1;
 void begin_instance() {

@@ -72,7 +72,7 @@ Tenant& self(fmi2Component component) {
   return *static_cast<Tenant*>(component);
 }
 
-/// Returns the gain through an exception, which involves the C++ runtime.
+/// Returns the gain. Throws and catches an exception that contains it, so that the C++ runtime is used.
 double thrown_gain() {
   try {
     throw std::out_of_range(std::to_string(find_gain()));

@@ -70,8 +70,8 @@ TEST(CameraCoverage, TrianglesOfAMeshCoverEachPixelExactlyOnce) {
   std::uniform_real_distribution<double> jitter(-2.8, 2.8);
   std::uniform_real_distribution<double> depth(0.5, 3.0);
   for (int round = 0; round < 50; ++round) {
-    // A grid of points in and around the picture. Each point has a different depth. Its displacement is too small to
-    // fold the grid.
+    // A grid of points in and around the picture. Each point has a random depth, and is shifted at random by less than
+    // half the spacing, so that the grid does not fold.
     std::array<std::array<Vector3d, 11>, 11> mesh;
     for (int j = 0; j < 11; ++j) {
       for (int i = 0; i < 11; ++i) {
@@ -125,7 +125,8 @@ TEST(CameraCoverage, TrianglesThroughTheCamerasPlaneLeaveNoHole) {
 }
 
 TEST(CameraCoverage, RowsOfAStripAreThoseTakenOneByOne) {
-  // In a strip, each row continues the edges of the previous row. For a single row, divisions give the edges.
+  // For several rows, spans() computes each row's columns from those of the previous row. For a single row, it computes
+  // them by divisions. Both must give the same columns.
   std::mt19937 random(13);
   std::uniform_real_distribution<double> place(-1.0, 1.0);
   std::uniform_real_distribution<double> exponent(-1.0, 14.0);
@@ -242,7 +243,8 @@ TEST(CameraCoverage, AGateCoversThePixelsOfItsFourBeams) {
 }
 
 TEST(CameraCoverage, NoCornerOfAGateLiesInTheMiddleOfAnotherFacesEdge) {
-  // Rounding can move such a corner away from the edge. The background can then be visible in the gap.
+  // If a corner is in the middle of another face's edge, rounding can move the corner away from this edge. The
+  // background is then visible in the gap.
   scene::Scene scene = testing::room();
   scene.boxes.clear();
   const Geometry geometry = make_geometry(scene);

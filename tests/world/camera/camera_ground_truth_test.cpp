@@ -108,7 +108,8 @@ TEST(GroundTruth, DepthsFollowTheLens) {
       if (std::abs(depth_m - expected_m) > 0.0005 + 2e-5 * expected_m) ++different;
     }
   }
-  // At an edge, the nearest pixel of the undistorted picture may show the other face.
+  // GroundTruth uses the nearest pixel of the undistorted picture. Near an edge between two faces, this pixel may show
+  // another face than the exact ray.
   EXPECT_LE(different, kFormat.width * kFormat.height / 33);
 }
 
@@ -228,7 +229,7 @@ TEST(GroundTruth, MarksOtherDronesButNotItsOwn) {
   EXPECT_EQ(seen[0].kind, SceneObject::Kind::drone);
   EXPECT_EQ(seen[0].name, "drone[2]");
   EXPECT_DOUBLE_EQ(seen[0].distance_m, Eigen::Vector3d(0.97, 0.2, 0.1).norm());
-  // The left end is the left front rotor's disc.
+  // The left end of the box is at the disc of the left front rotor.
   const double arm_m = scene.drone.arm_m;
   const double slope = (0.2 + (1.0 + kRotorRadiusOverArm) * arm_m) / (0.97 - arm_m);
   EXPECT_NEAR(seen[0].box.left, 0.5 * kFormat.width - kFormat.focal_length_px() * slope, 1.0);

@@ -74,7 +74,8 @@ TEST(CameraNoise, FollowsTheNormalDistributionFunction) {
   for (double x = -3.0; x <= 3.0; x += 0.5) {
     const double below = static_cast<double>(std::count_if(all.begin(), all.end(), [=](float v) { return v < x; }));
     const double expected = 0.5 * std::erfc(-x / std::sqrt(2.0));
-    // Five standard errors of a share, plus half a step of the table of 4096 values.
+    // The bound is five standard errors of the share of samples below x, plus half of 1/4096, because the noise has
+    // only 4096 different values.
     const double bound = 5.0 * std::sqrt(expected * (1.0 - expected)) / kNoisySize + 0.5 / 4096;
     EXPECT_NEAR(below / (kNoisySize * static_cast<double>(kNoisySize)), expected, bound) << "below " << x;
   }

@@ -93,8 +93,8 @@ TEST(CameraProjection, CornersOfAGateLandOnTheirAnalyticPixels) {
       for (int i = 0; i < 4; ++i) {
         const Line before = fitted_edge(seen, expected[(i + 3) % 4], expected[i]);
         const Line after = fitted_edge(seen, expected[i], expected[(i + 1) % 4]);
-        // A crossing is known to one pixel. A line that is fitted to over 80 crossings has an error of about 0.29 * 2 /
-        // sqrt(80) = 0.06 pixel (one sigma) at its end.
+        // Each point of a fitted line is known to one pixel, with a standard deviation of 0.29. A line through more
+        // than 80 points has an error of about 0.29 * 2 / sqrt(80) = 0.06 pixel (one sigma) at its end.
         EXPECT_LT((crossing(before, after) - expected[i]).norm(), 0.2) << "edge " << edge_m << " m, corner " << i;
       }
     }
@@ -145,7 +145,8 @@ TEST(CameraProjection, CheckersOnTheGroundChangeWherePerspectivePutsThem) {
   const Pose from = pose({0.13, 0.21, 1.0});
   const Picture seen = testing::picture(renderer, from);
 
-  // Tests a column, which crosses the lines x = k scale. The column is not parallel to a line y = k scale.
+  // Tests a pixel column. It crosses the edges x = k kScale between squares, where the grey level changes. Crossings
+  // near an edge y = k kScale are skipped.
   const int column = 165;
   const double lateral_per_depth = -(column + 0.5 - 160.0) / f;
   std::vector<double> down(320);
@@ -158,13 +159,14 @@ TEST(CameraProjection, CheckersOnTheGroundChangeWherePerspectivePutsThem) {
     const double expected = 160.0 + f * from.p_WC_m.z() / depth;
     const auto found = transition(down, 125.0, expected);
     ASSERT_TRUE(found);
-    // A pixel covers up to a tenth of a square. Interpolation between two pixels leaves a part of this as an error.
+    // A pixel covers up to a tenth of a square's edge. transition() interpolates between two pixels, so its result may
+    // be wrong by a part of a pixel.
     EXPECT_NEAR(*found, expected, 0.3) << "line x = " << k * kScale;
     ++checked;
   }
   EXPECT_GE(checked, 5);
 
-  // Tests rows, which cross the lines y = k scale.
+  // Tests pixel rows, which cross the edges y = k kScale between squares.
   checked = 0;
   for (const int row : {200, 230, 260, 290, 319}) {
     const double depth = f * from.p_WC_m.z() / (row + 0.5 - 160.0);
@@ -277,7 +279,8 @@ TEST(CameraProjection, PatternOfASlantedWallLiesWhereRaysMeetIt) {
   const double f = intrinsics.focal_length_px();
   Renderer renderer(scene, intrinsics, 0.0);
   for (const Pose& from : {pose({0.3, -0.6, 1.2}, 0.1, 0.1, 0.5), pose({0.0, 0.5, 0.7}, -0.3, -0.4, -1.1)}) {
-    // Returns 200 or 50 if the ray meets the side towards the camera, otherwise 0.
+    // Returns the wall's grey level at a position in the picture: 200 or 50 if the ray meets the side towards the
+    // camera, otherwise 0.
     const auto expected = [&](double x_px, double y_px) {
       const Vector3d ray = from.R_WC * Vector3d(1.0, (160.0 - x_px) / f, (160.0 - y_px) / f);
       const Vector3d x(std::cos(wall.yaw_rad), std::sin(wall.yaw_rad), 0.0);

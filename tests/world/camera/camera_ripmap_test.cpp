@@ -89,7 +89,8 @@ TEST(CameraTexture, StripesChangeEachWidthAlongTheFirstAxis) {
   }
 }
 
-/// Returns the ground with squares of 5 cm, seen from a height of 1 m, `way_m` farther north-east.
+/// Returns a picture of the ground from a height of 1 m. The camera is `way_m` east and 0.6 `way_m` north of the
+/// origin.
 testing::Picture ground_from(Renderer& renderer, double way_m, double yaw_rad) {
   return testing::picture(renderer, testing::pose({way_m, 0.6 * way_m, 1.0}, yaw_rad));
 }

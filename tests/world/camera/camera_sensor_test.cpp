@@ -96,7 +96,8 @@ TEST(CameraLens, BendsRaysAsBrownsFormulaSays) {
       Sensor sensor(strip(left_m), {}, {k1, k2, 0.0}, {});
       const Picture seen = taken(sensor, still(pose(kEye)));
       const double f = Intrinsics{}.focal_length_px();
-      // The strip's nearer side at the camera's height.
+      // The strip's front is 2.875 m in front of the camera. r is the tangent of the angle between the optical axis and
+      // the strip.
       const double r = left_m / 2.875;
       const double bent = r * (1.0 + k1 * r * r + k2 * r * r * r * r);
       EXPECT_NEAR(centre_of(seen, 160), 160.0 - f * bent, 0.6) << k1 << " " << left_m;
@@ -155,7 +156,7 @@ TEST(CameraSensor, MotionBlurIsAsWideAsTheTurnWhileItIsExposed) {
   const double way_px = Intrinsics{}.focal_length_px() * std::tan(rate * settings.exposure_s);
   EXPECT_NEAR(wide - narrow, way_px, 1.5);
   EXPECT_NEAR(light, same_light, 200.0);  // a pixel at a sharp edge is inside or outside
-  // The only sample is at the middle of the exposure.
+  // If blur_samples is 1, the only rendering is at the middle of the exposure.
   EXPECT_NEAR(centre_of(seen, 160), centre_of(instant, 160), 0.5);
 }
 
@@ -196,8 +197,9 @@ TEST(CameraSensor, ShotNoiseHasTheVarianceOfCountedElectrons) {
       double square = 0.0;
       for (const std::uint8_t pixel : seen.pixels) square += (pixel - grey) * (pixel - grey);
       const double variance = square / static_cast<double>(seen.pixels.size());
-      // n = grey / gain x well / 255 electrons, each of 255 gain / well grey levels: variance grey x gain x 255 / well.
-      // Rounding adds 1/12. With 102,400 pixels, the variance is accurate to 0.5 % (one standard deviation).
+      // A pixel has n = (grey / gain) (well / 255) electrons. Each electron adds 255 gain / well grey levels, so the
+      // variance is n (255 gain / well)^2 = grey gain 255 / well. The read noise adds 1.5^2, and rounding adds 1/12.
+      // The variance of 102,400 pixels is accurate to 0.5 % (one standard deviation).
       const double expected = 1.5 * 1.5 + grey * gain * 255.0 / 7400.0 + 1.0 / 12.0;
       EXPECT_NEAR(variance, expected, 0.02 * expected) << grey << " " << gain;
     }

@@ -53,8 +53,9 @@ TEST(CameraShapes, ACylinderIsAsWideAsItsDiameter) {
   const Picture seen = testing::picture(renderer, pose({0.0, 0.0, 1.0}));
   int columns = 0;
   for (int column = 0; column < 320; ++column) columns += seen.at(column, 160) == 200 ? 1 : 0;
-  // Rays that graze a circle of radius r at distance d: r / sqrt(d^2 - r^2) on each side. With 32 sides, the cylinder
-  // is at most half a per cent narrower. The centre of a pixel is inside or outside.
+  // A ray that grazes a circle of radius r, with its centre at the distance d, has the slope r / sqrt(d^2 - r^2) to the
+  // ray through the centre. With 32 sides, the cylinder is at most half a per cent narrower. The number of pixels may
+  // differ by one from the exact width.
   const double wide_px = 2.0 * Intrinsics{}.focal_length_px() * 0.5 / std::sqrt(16.0 - 0.25);
   EXPECT_LE(columns, wide_px + 1.0);
   EXPECT_GE(columns, 0.995 * wide_px - 1.0);
@@ -76,7 +77,8 @@ TEST(CameraShapes, AMeshLooksAsTheBoxOfItsShapeFromEverywhere) {
   Renderer meshes(of_mesh, {}, 0.0);
   for (double turn = 0.0; turn < 6.2; turn += 0.7) {
     const Pose from = pose({2.0 - 1.2 * std::cos(turn), 0.3 - 1.2 * std::sin(turn), 1.2}, turn, 0.1);
-    // Both triangles of a side have exactly the same edge. Only rounding at the silhouette differs.
+    // The two triangles of a side share an edge without a gap. Only pixels at the silhouette may differ, because of
+    // rounding.
     EXPECT_LE(testing::differing_pixels(testing::picture(boxes, from), testing::picture(meshes, from)), 3) << turn;
   }
 }

@@ -194,8 +194,8 @@ void expect_a_landing(FlightRig& rig) {
 }
 
 TEST(CrazyflieEstimate, AFlightAcrossTimeZeroIsThatOfAnyOtherTime) {
-  // 100 ms are a whole number of periods of every sensor and of the controller. Without noise, nothing else depends on
-  // time.
+  // 100 ms are a whole number of periods of every sensor and of the controller. Without noise, time affects a flight
+  // only through these periods. Therefore a flight that starts 100 ms later must be the same.
   constexpr std::int64_t kMillisecond = 1'000'000;
   test::RigParameters p = own();
   p.range_model = RangeModel::ray;

@@ -133,7 +133,7 @@ TEST(Dryden, NamesSpeedAndLengthThatNoFilterCanHave) {
   EXPECT_THAT([] { Dryden({1.0, 1e15, 0.01, 3}); }, named);
   EXPECT_THAT([] { Dryden({1.0, 0.001, 1e300, 3}); }, named);
   EXPECT_THAT([] { Dryden({1.0, 0.001, 1e10, 3}); }, named);
-  // At the limits, there are still gusts. Without gusts, the values are not checked.
+  // Near the limits of speed / length, the gusts stay small. If the intensity is 0, speed and length are not checked.
   for (const auto& [length_m, speed_m_per_s] : {std::pair{5e11, 1.0}, std::pair{0.001, 5e8}}) {
     Dryden gusts({1.0, length_m, speed_m_per_s, 3});
     gusts.at(0);
@@ -155,7 +155,7 @@ TEST(Link, ASetpointArrivesAfterItsLatencyAndInOrder) {
 }
 
 TEST(Link, LatencyShiftsAFlightInTime) {
-  // A take-off that starts a tenth of a second later must have the same bits.
+  // The latency delays the take-off by 0.1 s. The rest of the flight must have the same bits.
   test::RigParameters late = FlightRig::small_camera();
   late.setpoint_latency_s = 0.1;
   FlightRig delayed(shipped_scene("empty"), late);

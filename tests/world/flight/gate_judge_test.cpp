@@ -117,7 +117,7 @@ TEST_P(AnyPose, ThroughAndBackRoundTheFrameIsTurnedBack) {
 }
 
 TEST_P(AnyPose, ThroughAndOnlyAHandBackIsTurnedBack) {
-  // The frame turned the drone back when the drone's centre was a centimetre behind the plane.
+  // The drone's centre moves a centimetre beyond the gate's plane. Then the drone flies back.
   Puppet drone = puppet();
   drone.fly({0.01, 0.0, 0.0});
   EXPECT_TRUE(drone.judge.crossed());

@@ -55,7 +55,8 @@ TEST(Magnetometer, MeasuresTheFieldAlongTheBodysAxes) {
 TEST(Magnetometer, GivesTheHeadingOfALevelDrone) {
   for (const double yaw_rad : {-3.0, -1.0, 0.2, 2.5}) {
     const Eigen::Vector3d field_B_t = reading(exact_magnetometer(), yaw_rotation(yaw_rad));
-    // The horizontal field points atan2(north, east) to the left of the world's x axis.
+    // The x axis of the world points to the east. The horizontal field is atan2(north, east) to the left of it. The
+    // drone's yaw is this angle minus the angle of the measured field.
     const double heading_rad = std::atan2(kWorldField.y(), kWorldField.x()) - std::atan2(field_B_t.y(), field_B_t.x());
     EXPECT_NEAR(wrapped_rad(heading_rad - yaw_rad), 0.0, 1e-12);
   }

@@ -19,7 +19,6 @@ using testing::ThrowsMessage;
 constexpr std::int64_t kMultirangerPeriod_ns = 100'000'000;
 const Eigen::Vector3d kOffset_m{0.0175, 0.0175, 0.005};
 
-/// Returns a drone with the offset above.
 scene::Drone drone() {
   scene::Drone drone = test::shipped_drone("crazyflie");
   drone.multiranger->offset_m = kOffset_m;
@@ -174,7 +173,8 @@ TEST(Multiranger, AConeMeasuresItsNearestSurface) {
     sensors.update(i * kMultirangerPeriod_ns, at({0.0, 0.0, 1.0}, kYaw_rad));
     sum_m += sensors.readings_m()[direction::front];
   }
-  // The sensor is 1.5 m - 0.0175 cos(yaw) away from the wall. The rays are up to 0.06 rad from the perpendicular.
+  // The sensor is 1.5 m - 0.0175 cos(yaw) away from the wall. The nearest ray may deviate from the wall's normal by up
+  // to 0.06 rad.
   EXPECT_NEAR(sum_m / kCount, 1.5 - kOffset_m.x() * std::cos(kYaw_rad), 0.004);
 }
 

@@ -71,7 +71,8 @@ TEST(ThrustCurve, GivesTheBenchRows) {
 }
 
 TEST(Gains, PutAllThreePolesWhereTheyShallBe) {
-  // T s^3 + (1 + k_a) s^2 + k_r s + k_r k_angle must have a triple root at s = -p.
+  // The closed loop has the characteristic polynomial T s^3 + (1 + k_a) s^2 + k_r s + k_r k_angle, where T is the lag
+  // and the k are the gains. It must have a triple root at s = -p.
   const double p = 12.0;
   const double lag_s = 0.1;
   const auto k = Gains::rotation(p, lag_s);

@@ -107,8 +107,9 @@ TEST_P(StepResponse, WindIsHeldAgainst) {
 }
 
 TEST_P(StepResponse, ABusThatSagsMoreAndMoreIsMadeUpFor) {
-  // The thrust decreases by 0.2 % per second, about twenty times as fast as a cell discharges. For such a ramp, the
-  // integrators have the steady error g rate / sag / (k_i k_altitude) = 0.0021 g / 2.4.
+  // The thrust decreases by 0.2 % per second, about twenty times as fast as by the discharge of a cell. With such a
+  // ramp, the altitude has the steady error g rate / sag / (k_i k_altitude) = 0.0021 g / 2.4. Here `rate` is the 0.2 %
+  // per second, and k_i k_altitude are the gains of the integrator and of the altitude.
   const double steady_m = 0.002 / 0.93 * kGravity_m_per_s2 / 2.4;
   double lowest_m = 1.0;
   for (int i = 0; i < 1000; ++i) {
@@ -147,7 +148,8 @@ TEST(Stabiliser, TurnsWhileItFliesWithoutSlidingOutwards) {
                         std::cos(out.drone_yaw_rad) * out.drone_velocity_m_per_s[1];
     slip = std::max(slip, std::abs(left));
   });
-  // The lean lags the rotating heading by about 0.25 s x 0.3 rad/s.
+  // The direction in which the drone leans lags the rotating heading by about 0.25 s x 0.3 rad/s. Therefore the drone
+  // slips a little sideways.
   EXPECT_LT(slip, 0.05);
   EXPECT_NEAR(rig.outputs.drone_forward_velocity_m_per_s, 0.5, 0.02);
 }
@@ -192,7 +194,8 @@ TEST(Stabiliser, ComesBackFromATiltOf45Degrees) {
   EXPECT_LT(state.v_WB_m_per_s.norm(), 0.02);
 }
 
-/// Returns the greatest command of a climb to 1 m, at each millisecond of the first 1.2 s.
+/// Returns the greatest of the four rotor commands at each of the first 1200 milliseconds of a climb by 1 m. The drone
+/// stays at rest.
 std::vector<double> commands_of_a_start(const scene::Drone& drone, double height_m) {
   Stabiliser stabiliser(drone);
   stabiliser.set_mass(0.04, drone.inertia_kg_m2);

@@ -18,8 +18,8 @@ inline scene::Drone shipped_drone(const std::string& name) {
   return scene::load_drone(std::string(MEBOTS_SOURCE_DIR) + "/fmu_world/params/drones/" + name + ".json");
 }
 
-/// Returns a shipped scene with a drone whose motors start without a limit. The transients are then only those of the
-/// control loops.
+/// Returns a shipped scene with a drone whose thrust is not limited while the motors start. Transients are then only
+/// those of the control loops.
 inline scene::Scene shipped_scene(const std::string& name) {
   auto scene = scene::load_scene(std::string(MEBOTS_SOURCE_DIR) + "/fmu_world/params/scenes/" + name + ".json");
   scene.drone = shipped_drone("crazyflie_bench");
@@ -31,7 +31,7 @@ inline RangeSensor sensor_in(const scene::Scene& scene, const RangeSensor::Setti
 }
 
 /// Four rotors that follow their commands with a first-order lag, which is solved exactly over a step. Their thrust is
-/// that of the stabiliser's curve times `sag`, the factor of a lower bus voltage.
+/// that of the stabiliser's curve times `sag`. A `sag` below 1 represents a lower bus voltage.
 struct Rotors {
   explicit Rotors(const scene::Drone& drone)
       : curve(drone.thrust_curve), torque_per_thrust_m(drone.torque_per_thrust_m) {}

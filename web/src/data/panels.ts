@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The panels of a run. If the config defines no panels, the panels show all variables that change, grouped by instance
-// and unit.
+// The panels of a run. If the config defines no panels, they show variables that change, grouped by instance and unit.
 import type { CurveInfo, PanelInfo } from "./payload";
 import type { Run } from "./run";
 import { meaningOf } from "./units";
@@ -15,7 +14,8 @@ interface Found {
   names: string[];
 }
 
-/** Returns the panels of the config. If the config defines none, returns panels of all variables that change. */
+/** Returns the panels of the config. If the config defines none, returns panels of variables that change. During a live
+ * run, variables that have not changed yet may have panels, too. */
 export function panelsOf(run: Run): PanelInfo[] {
   const asked = run.system?.view.panels ?? [];
   return asked.length > 0 ? asked : defaultPanels(run);

@@ -64,11 +64,12 @@ export interface RunHeader {
   span: number; // the server reduced this number of rows to two
   whole: [number, number][]; // all rows within these times are contained
   kept: number;
-  /** Describes the columns. A column's numbers are a constant, or in a block, or in the header. */
+  /** The columns of the results. A column's numbers are the constant `still`, or in the bytes `block` of the
+   * payload, or the list `values`. */
   columns: { name: string; unit: string; still?: number; block?: Place; values?: number[] }[];
   scene: Place | null;
   profiles: Json[];
-  /** The report of `mebots-soc run`. Its page has no system. */
+  /** The report of `mebots-soc run`. If it is present, `system` is null. */
   chip?: Json;
   /** If `every` is n, the page contains every n-th picture. `shrunk` is the number of the file's pixels per pixel in
    * each direction. Both are absent in live data. */
@@ -91,7 +92,8 @@ export function readPayload(all: Uint8Array<ArrayBuffer>): Payload {
   };
 }
 
-/** Decodes the numbers of a column. The planes contain the bytes of differences between the bits of successive numbers. */
+/** Decodes the numbers of a column. The 64 bits of each number are stored as the difference to the bits of the
+ * previous number. Plane i contains byte i of all differences. */
 export function numbersOf(planes: Uint8Array): Float64Array {
   const count = planes.length / 8;
   const bytes = new Uint8Array(planes.length);

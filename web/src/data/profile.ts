@@ -8,7 +8,7 @@ export interface Call {
   children: Call[];
 }
 
-/** The quantities of a profile, in the order of the parts of a window. */
+/** The costs in a profile, in their order in a window's `parts`. */
 export const COSTS = ["cycles", "time", "energy"] as const;
 export type Cost = (typeof COSTS)[number];
 const SCALES: Record<Cost, [number, string]> = { cycles: [1, "-"], time: [1e-12, "s"], energy: [1e-15, "J"] };
@@ -21,7 +21,7 @@ export const BY_CORE = -1;
 /** Selects all harts, summed by function. */
 export const BY_FUNCTION = -2;
 
-/** The sum of all windows that overlap a time span. */
+/** The costs of all time windows of the profile that overlap a time span. */
 export interface Slice {
   from: number;
   to: number;
@@ -54,7 +54,8 @@ export class WindowedProfile {
     return SCALES[cost][1];
   }
 
-  /** Returns the sum of all windows that overlap the time span from `start` to `stop` [s]. */
+  /** Returns the sum of the costs of all the profile's time windows that overlap the time span from `start` to
+   * `stop` [s]. */
   slice(start: number, stop: number): Slice {
     const { windows, harts } = this.file.mebots;
     const inside = windows.filter((window: Json) => window.to * 1e-9 > start && window.from * 1e-9 < stop);

@@ -17,8 +17,9 @@ export interface Curve {
   unit: string;
   isRate: boolean;
   variable: string;
-  /** Returns one value per row. A rate is the mean over at least `mean` seconds, or between two rows if their distance
-   * is larger. Rates are exact, because they are differences of counts. */
+  /** Returns one value per row. For a rate, each value is the mean over at least `mean` seconds, or between two rows
+   * if these are further apart. Rates are exact, because they are computed from recorded totals, such as power from
+   * energy. */
   values(mean: number): Float64Array;
 }
 
@@ -253,7 +254,8 @@ export class Run {
   }
 }
 
-/** Returns mean rates of change. Each mean covers whole rows and at least `mean` seconds; its rows have the same rate. */
+/** Returns the mean rate of change for each row. Forms groups of consecutive rows that each span at least `mean`
+ * seconds. All rows of a group have the same rate. */
 function meanRates(times: Float64Array, values: Float64Array, mean: number): Float64Array {
   const result = new Float64Array(values.length);
   for (let first = 0; first + 1 < values.length; ) {

@@ -43,7 +43,8 @@ export interface Judged {
   deviation?: number;
 }
 
-/** `float`: differences from the float model, by output. `labels`: comparison with the labels, by column. */
+/** `float`: differences from the float model, by output. `labels`: errors, or shares of right outputs,
+ * compared with the labels in `file`, by output. */
 export interface Accuracy {
   pictures: number;
   data: string;
@@ -51,7 +52,8 @@ export interface Accuracy {
   labels?: { file: string; outputs: Record<string, { float?: Judged; int8: Judged; loss?: Judged }> };
 }
 
-/** The network with a smaller input. `whole`: differences from the float model with the whole input. */
+/** The network with a smaller input. `whole` contains the differences from the float model with the full input, by
+ * output. */
 export interface SizeRow {
   rows: number;
   columns: number;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The roofline (Williams, Waterman and Patterson 2009): each layer's speed over its products per byte that the DMA
-// moves.
+// The roofline diagram (Williams, Waterman and Patterson 2009): the speed of each layer [MAC/cycle] over its MAC per
+// byte that the DMA moves.
 import { element } from "../dom";
 import { digits, percent } from "../report/format";
 import { Plot } from "../report/plot";

@@ -37,7 +37,7 @@ export function makeEnergy({ network }: NetworkPage, measured: Measured): HTMLEl
     ...makeBars(rows, all, (part) => part.replaceAll("_", " "), (value) => shown(value, "J")));
 }
 
-/** Creates the key of all parts, a bar for each layer, and a bar for the sum of all layers. */
+/** Creates a legend of the parts, a bar for each layer, and a bar for the sum of all layers. */
 function makeBars(layers: Row[], whole: Row, nameOf: (part: string) => string, textOf: (value: number) => string): HTMLElement[] {
   const sum = whole.parts;
   const sorted = Object.entries(sum).filter(([, value]) => value > 0).sort(([, a], [, b]) => b - a).map(([part]) => part);

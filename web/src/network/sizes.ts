@@ -8,7 +8,7 @@ import { makeSmallTable, panel } from "../report/widgets";
 import { colour } from "../theme";
 import { sumOf, type Accuracy, type Judged, type Measured, type NetworkPage, type SizeRow } from "./content";
 
-/** A plotted quantity of each size: a share or an error. */
+/** A quantity that is plotted for each size of the network's input: a share or an error. */
 interface Quantity {
   title: string;
   of: (row: SizeRow) => Judged | undefined;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The numbers of a page. mebots.exploration.report, rare_report and mebots.flight.replay_page write them.
+// The data of a page. mebots.exploration.report, rare_report and mebots.flight.replay_page write them.
 
 export interface Page {
   kind: "study" | "rare" | "replay" | "network";
@@ -38,8 +38,8 @@ export interface Objective {
   text: string[];
 }
 
-/** The designs in the page, by column. `number` contains each design's number in the study. `of` is the number of
- * designs in the study. */
+/** The designs in the page: one array for each column of the table. `number` contains each design's number in the
+ * study. `of` is the number of designs in the study. */
 export interface Designs {
   of: number;
   number: number[];
@@ -54,7 +54,8 @@ export interface Designs {
 
 export type Place = "on" | "undecided" | "off" | "excluded" | "";
 
-/** Every n-th mission of each design, ordered by design. */
+/** The missions in the page: the first and then every n-th mission of each design, where n is `every`. They are
+ * ordered by design. */
 export interface Missions {
   every: number;
   counts: number[];

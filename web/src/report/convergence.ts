@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shows how the intervals of the best designs narrowed with the number of missions. For a search, shows the best design
-// so far.
+// Shows how the confidence intervals of the best designs narrow with the number of missions. For a search, shows the
+// best design so far.
 import { element } from "../dom";
 import { colour, styleColour } from "../theme";
 import type { Course, Study } from "./content";
@@ -56,8 +56,8 @@ function makeCourses(study: Study, selection: Selection, shown: Shown): HTMLElem
   return element("div", {}, plot.root, key);
 }
 
-/** Returns the bounds of the intervals in the later half of the course. Earlier intervals are so wide that they would
- * hide the later intervals. */
+/** Returns the bounds of a design's confidence intervals in the later half of its missions. Earlier intervals are so
+ * wide that they would hide the later intervals. */
 function laterBounds({ counts, low, high }: Course, objective: number): (number | null)[] {
   const from = Math.floor(counts.length / 2);
   return [...low[objective].slice(from), ...high[objective].slice(from)];

@@ -90,8 +90,8 @@ const missionText = (objective: Objective, value: number | null) => (objective.s
 
 const folderOf = (study: Study, { design, replicate }: Mission) => `design_${study.designs.number[design]}_mission_${replicate}`;
 
-/** Returns the command that repeats a mission. If this needs another config, or if the page lacks the mission's draws,
- * returns null. */
+/** Returns the command that repeats a mission. If a factor changes the config itself, or if the page lacks the
+ * values that were drawn for the mission, returns null. */
 function commandOf(study: Study, mission: Mission): string | null {
   const { replay } = study;
   const [own, draws] = [replay?.designs[mission.design], replay?.draws[mission.replicate]];

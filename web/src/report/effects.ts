@@ -99,7 +99,8 @@ function diamond(context: CanvasRenderingContext2D, x: number, y: number): void 
   context.fill();
 }
 
-/** Returns the mean over selected designs at each level. At a level without a selected design, returns null. */
+/** Returns the objective's mean over the selected designs at each level of the factor. At a level without a selected
+ * design, returns null. */
 export function levelMeans(factor: Factor, objective: Objective, selection: Selection): (number | null)[] {
   return cellMeans(factor.levels.length, (i) => factor.level[i], objective, selection);
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Plots designs by two of their values, with intervals. Also marks the front by means, and the designs that are proven
-// to be on the front.
+// Plots designs by two of their values, with confidence intervals. Also marks the Pareto front of the mean values, and
+// the designs that are proven to be on the front.
 import { element } from "../dom";
 import { colour, styleColour } from "../theme";
 import type { Place, Study } from "./content";
@@ -227,8 +227,9 @@ function choicesOf(study: Study): Choice[] {
   return [...all, place];
 }
 
-/** Returns the default axes. The first axis is the first minimised or maximised objective. The second axis is the next
- * such objective. If there is none, it is the first share, another objective, or a factor. */
+/** Returns the default axes. The first axis is the first minimised or maximised objective. The second axis is the
+ * next such objective. If the study has no second one, it is another objective, preferably a share. If the study has
+ * only one objective, it is the first factor. */
 function firstChoices(study: Study): [number, number] {
   const { objectives } = study;
   const sorted = objectives.map((_, i) => i).sort((a, b) => Math.abs(objectives[b].sense) - Math.abs(objectives[a].sense));

@@ -17,7 +17,8 @@ const PLACES_IN_ORDER: Place[] = ["excluded", "off", "", "undecided", "on"];
 
 interface Scale {
   label: string;
-  /** The space for the names of the axis's ticks, relative to the space for numbers. */
+  /** The width of the axis's column, relative to that of an axis with numbers. Longer names of ticks need more
+   * width. */
   room: number;
   /** The position of each design on the axis from 0 to 1; NaN if the design has no value. */
   place: Float64Array;
@@ -46,7 +47,7 @@ export function makeParallel(study: Study, selection: Selection): HTMLElement {
   };
   const point = (axis: number, place: number): [number, number] => (isNarrow() ? [along(place), side(axis)] : [side(axis), along(place)]);
 
-  /** Positions of the lines on each axis, for the size at the last drawing. */
+  /** The pixel positions of each axis, and of each design along the axis. layOut() computes them. */
   let pixels: { across: number; along: Float32Array }[] = [];
   const layOut = () => {
     pixels = scales.map(({ place }, axis) => ({ across: side(axis), along: Float32Array.from(place, along) }));
@@ -72,7 +73,8 @@ export function makeParallel(study: Study, selection: Selection): HTMLElement {
     }
   };
 
-  /** Draws the faint lines. Stores them as a picture, because they change only with the size and the theme. */
+  /** Draws the faint lines of all designs. Stores them as a picture, because they change only with the size and the
+   * theme. */
   const drawBack = () => {
     const { canvas } = plot;
     const key = `${canvas.width}x${canvas.height} ${styleColour("--off")}`;

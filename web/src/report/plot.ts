@@ -6,7 +6,7 @@ import { onTheme, styleColour } from "../theme";
 export interface Axis {
   title: string;
   range: [number, number];
-  /** The factor from a value to the number that a tick shows. */
+  /** A tick shows its value multiplied by this factor. */
   scale?: number;
   log?: boolean;
   /** Values with names. Their ticks replace ticks at round numbers. */
@@ -64,7 +64,7 @@ export class Plot {
     this.draw();
   }
 
-  /** Draws the axes. Sets the box between them. */
+  /** Draws the axes. Sets `box` to the area of the plot between the axes. */
   axes(x: Axis, y: Axis): void {
     [this.xAxis, this.yAxis] = [x, y];
     const lines = x.title === "" ? 1.4 : 2.6;
@@ -173,7 +173,8 @@ export function roundNumbers(low: number, high: number, most: number): number[] 
   return Array.from({ length: Math.max(0, Math.floor(high / step + 1e-9) - first + 1) }, (_, i) => Number(((first + i) * step).toPrecision(12)));
 }
 
-/** Returns the powers of ten in a range. If the range is short, also returns 2 and 5 times these powers. */
+/** Returns the powers of ten in a range, or every n-th power if the range is long. If the range is short, also returns
+ * 2 and 5 times these powers. */
 function powers(low: number, high: number): number[] {
   const decades = Math.log10(high / low);
   const every = Math.max(1, Math.ceil(decades / 8));

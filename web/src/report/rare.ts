@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The page of a study of a rare event: the probability by level.
+// The page of a study of a rare event: the probability to reach each level of the score.
 import { element } from "../dom";
 import { colour } from "../theme";
 import type { Rare, RareDesign } from "./content";

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The objective that effects, distributions, importances and convergence show.
+// The objective that the user has selected for the panels of effects, distributions, importances and convergence.
 import type { Study } from "./content";
 
 export class Shown {

@@ -17,7 +17,8 @@ interface Column {
   /** The value by which the table is sorted. */
   value(design: number): number | string | null;
   isNumber: boolean;
-  /** The sign with which a first click on the title sorts better values first. */
+  /** The order after a first click on the title: 1 for ascending, -1 for descending. For an objective, better values
+   * come first. */
   sign: number;
 }
 

@@ -17,7 +17,7 @@ export class Body {
   private readonly corner = new THREE.Vector3();
   private readonly screen: THREE.Mesh<THREE.BufferGeometry, THREE.MeshBasicMaterial> | null = null;
 
-  /** `info` contains names of variables without the instance. */
+  /** The names of variables in `info` do not contain the name of the FMU's instance. */
   constructor(readonly run: Run, private readonly instance: string, private readonly info: Json, colour: string, ghost: boolean) {
     const material = (tone: string) =>
       new THREE.MeshBasicMaterial({ color: tone, transparent: ghost, opacity: ghost ? 0.45 : 1 });
@@ -72,7 +72,7 @@ export class Body {
     return [...(this.info.position as string[]), ...(this.info.attitude as string[])].every((name) => this.run.has(this.full(name)));
   }
 
-  /** Returns the positions at all rows, three numbers per row. */
+  /** Returns the body's recorded positions, three numbers per row of the results. */
   path(): Float32Array {
     const columns = (this.info.position as string[]).map((name) => this.run.values(this.full(name))!);
     const points = new Float32Array(3 * this.run.times.length);

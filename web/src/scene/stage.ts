@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws the scene on its canvas. Contains the modes of the camera and the legend of the path's colours.
+// Draws the scene on its canvas. Contains the buttons for the views (follow, free, top, on board), and the legend of
+// the path's colours.
 import * as THREE from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import type { Clock } from "../clock";

@@ -8,7 +8,7 @@ import { Mover } from "./mover";
 /** A larger face that does not move is a wall. A wall is hidden while it would hide the target. */
 const WALL_M2 = 0.8;
 
-/** Faces with one texture, which are drawn together. `lights` contains a number for each corner. */
+/** Faces with one texture, which are drawn together. `lights` contains the light on each corner. */
 interface Batch {
   material: THREE.MeshBasicMaterial;
   colours: THREE.BufferAttribute;

@@ -162,7 +162,8 @@ function tickText(value: number, step: number, prefix: string, unit: string): st
 function niceRange(low: number | null, high: number | null, fromZero: boolean): [number, number] {
   if (low == null || high == null) return [0, 1];
   const bottom = fromZero ? Math.min(0, low) : low;
-  // A difference of totals is exact to about nine digits, so a smaller change counts as no change.
+  // Rates are differences of recorded totals, which are exact to about nine digits. Therefore a smaller relative change
+  // counts as no change.
   const isStill = high - bottom < 1e-7 * Math.abs(high);
   const span = isStill ? Math.abs(high) || 1 : high - bottom;
   return [fromZero && bottom === 0 ? 0 : bottom - 0.06 * span, high + 0.06 * span];

@@ -5,7 +5,8 @@ import type { Clock } from "../clock";
 import { element } from "../dom";
 import type { Window } from "./window";
 
-/** Adds the lines to an area that spans the times of the window. */
+/** Adds two vertical lines to an area that spans the times of `window`: at the shown time, and at the time under the
+ * pointer. */
 export function addCursors(area: HTMLElement, clock: Clock, window: Window): void {
   const moment = element("div", { class: "moment" });
   const pointed = element("div", { class: "pointed" });

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A table of the bodies in a scene: the nearest other body, collisions, and the body's values in the groups of the
-// summary.
+// A table of the drones in a scene: the nearest other drone, the number of crashes, and the drone's variables from the
+// groups of the config's summary.
 import type { Clock } from "../clock";
 import type { Run } from "../data/run";
 import { shown } from "../data/units";

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws flame graphs. The width of a box is the share of a function and of the functions that it calls. If the profile
-// has time windows, counts only the windows in the time span of the plots.
+// Draws flame graphs. The width of a box is the cost of a function and of the functions that it calls, as a share of
+// all costs. If the profile has time windows, counts only the windows in the time span of the plots.
 import { select } from "d3-selection";
 import flamegraph from "d3-flame-graph";
 import { BY_CORE, BY_FUNCTION, type Call, type Cost, COSTS, treeOf, WindowedProfile } from "../data/profile";

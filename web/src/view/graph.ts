@@ -123,7 +123,8 @@ function overlap(one: Place, other: Place): boolean {
   return 2 * Math.abs(one.x - other.x) < one.width + other.width && 2 * Math.abs(one.y - other.y) < one.height + other.height;
 }
 
-/** Returns the name of a single variable, or the number of variables. Adds units if there is space. */
+/** Returns the label of an arrow. For one connection, this is the variable's name and unit. For several connections,
+ * it is their number and up to two units, or the number of units. */
 function labelOf({ from, connections }: Bundle): string {
   const units = [...new Set(connections.map(({ unit, type }) => shownUnit(unit ?? "") || (type === "Binary" ? "bytes" : "")))].filter(Boolean);
   if (connections.length === 1) return shortened(connections[0].from.slice(from.length + 1)) + (units.length > 0 ? ` [${units[0]}]` : "");

@@ -91,8 +91,8 @@ export class Lanes implements Drawing {
     for (const lane of this.lanes) this.drawLane(context, lane, most.get(lane.entry.curve.unit) ?? 1, area.clientWidth);
   }
 
-  /** Returns the greatest value of each unit in lanes of shades. Lanes with the same unit share a scale, so that
-   * readers can compare them. */
+  /** Returns the greatest value of each unit in the lanes whose shades represent numbers. Lanes with the same unit
+   * share a scale, so that readers can compare them. */
   private greatest(): Map<string, number> {
     const most = new Map<string, number>();
     for (const { entry: { curve } } of this.lanes.filter(({ entry }) => !isWords(entry))) {
@@ -134,7 +134,8 @@ export class Lanes implements Drawing {
     }
   }
 
-  /** Draws a lane of shades. The darkness between two rows is the value at the second row, relative to `most`. */
+  /** Draws a lane whose shades represent numbers. The darkness between two rows is the value at the second row,
+   * relative to `most`. */
   private drawShades(context: CanvasRenderingContext2D, { entry, top, height }: Lane, x: (time: number) => number, most: number): void {
     const values = entry.curve.values(this.window.mean);
     const times = entry.run.times;
@@ -150,7 +151,7 @@ export class Lanes implements Drawing {
   }
 }
 
-/** True if the states have names, or are on and off. */
+/** True if the curve is an enumeration or a Boolean, whose values are shown as words. */
 function isWords({ run, curve }: RunCurve): boolean {
   const info = run.info(curve.variable);
   return !curve.isRate && (info?.items !== undefined || info?.type === "Boolean");

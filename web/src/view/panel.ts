@@ -20,7 +20,7 @@ interface Options {
 }
 
 export function makePanel(info: PanelInfo, allRuns: Run[], clock: Clock, window: Window, { onClose, height }: Options = {}): HTMLElement {
-  // Shows only the first run if the sum of the stacked parts is always the same.
+  // If the panel stacks shares, shows only the first run, because the sum of all shares is the same in each run.
   const runs = isShares(info, allRuns[0]) ? allRuns.slice(0, 1) : allRuns;
   const curves = curvesOf(info, runs);
   const kind = info.kind === "stack" && runs.length > 1 ? "lines" : info.kind;

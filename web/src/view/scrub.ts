@@ -10,9 +10,10 @@ import type { Window } from "./window";
 const CLICK = 4;
 
 interface Options {
-  /** The action of dragging with the mouse without shift. */
+  /** The action of dragging with the mouse without shift: "chooses" selects a time span, "moves" moves the shown
+   * time. */
   drag: "chooses" | "moves";
-  /** The times along the element, if they differ from those of the window. */
+  /** The time span from the left to the right end of the element. The default is the span of `window`. */
   along?: Window;
 }
 

@@ -15,8 +15,9 @@ export interface FinalValue {
   unit: string;
 }
 
-/** Returns the values of the config's `summary`. The label of a nested value follows the label of the outer value. If
- * `members` is false, omits the members of groups. */
+/** Returns the values of summary.json that come from the config's `summary`. The label of a nested value begins with
+ * the keys of the objects that contain it. If `members` is false, omits the values of single objects in a group,
+ * such as those of each drone. */
 export function finalValues(summary: Json, members = true): FinalValue[] {
   const found: FinalValue[] = [];
   const walk = (values: Json, units: Json, path: string[]) => {
@@ -32,7 +33,7 @@ export function finalValues(summary: Json, members = true): FinalValue[] {
   return found;
 }
 
-/** Returns the values of finalValues() without the members of groups. The statistics of groups remain. */
+/** Returns the values of finalValues() without those of single objects in a group. The statistics of a group remain. */
 export function mainValues(summary: Json): FinalValue[] {
   return finalValues(summary, false);
 }

@@ -33,7 +33,7 @@ inline auto estimate(std::string_view unit, const Limits& limits = {}) {
   return [=](const Node& node) { return read_estimate(node, unit, limits); };
 }
 
-/// Returns the values of a data file's quantities, each at a position in its interval.
+/// Reads quantities of a data file at positions in their intervals: -1 is the lower end, 0 the value, 1 the upper end.
 class Placement {
  public:
   /// `file` is the file's name in warnings. value() appends the warnings to `warnings`.

@@ -55,7 +55,7 @@ class Object {
   bool visit_if(std::string_view key, const Reader& reader) {
     return node_.has(key) ? visit(key, reader) : (known_.emplace_back(key), false);
   }
-  /// Permits keys that other code reads, or that are comments.
+  /// Permits keys that this object does not read, such as keys for other readers or comments.
   void allow(std::initializer_list<std::string_view> keys) { known_.insert(known_.end(), keys.begin(), keys.end()); }
   /// Permits an optional key whose value is a text and has no effect.
   void comment(std::string_view key);

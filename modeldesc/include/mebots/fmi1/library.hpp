@@ -14,7 +14,7 @@ namespace mebots::fmi1 {
 /// it, but a simulation is possible without it.
 enum class Need { to_run, always };
 
-/// Pointers to the functions of one library. A pointer is null if the library lacks the function.
+/// Pointers to the FMI functions in the library of an FMU. A pointer is null if the library lacks the function.
 struct Functions {
   fmiString (*get_types_platform)() = nullptr;
   fmiString (*get_version)() = nullptr;
@@ -48,7 +48,7 @@ struct Functions {
   fmiStatus (*get_real_status)(fmiComponent, fmiStatusKind kind, fmiReal* value) = nullptr;
 };
 
-/// Calls action(name, fmi::kMember<pointer to member>, Need) for every function.
+/// Calls action(name, fmi::kMember<pointer to member>, Need) for each member of Functions.
 template <typename Action>
 void for_each_function(Action action) {
   using F = Functions;
@@ -76,7 +76,8 @@ void for_each_function(Action action) {
   action("fmiGetRealStatus", fmi::kMember<&F::get_real_status>, Need::always);
 }
 
-/// Looks up all functions in a library from dlopen().
+/// Looks up all members of Functions in a loaded library. `library` is its handle from dlopen(), or from LoadLibrary()
+/// on Windows.
 inline Functions find_functions(void* library, const std::string& model_identifier) {
   return fmi::find_functions<Functions>(
       library, [](auto action) { for_each_function(action); }, model_identifier + "_");

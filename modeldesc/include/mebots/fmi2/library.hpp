@@ -21,7 +21,7 @@ enum class Need {
   directional_derivative
 };
 
-/// Pointers to the functions of one library. A pointer is null if the library lacks the function.
+/// Pointers to the FMI functions in the library of an FMU. A pointer is null if the library lacks the function.
 struct Functions {
   using Byte = fmi2Byte;
 
@@ -71,7 +71,7 @@ struct Functions {
   decltype(&fmi2GetNominalsOfContinuousStates) get_nominals_of_continuous_states = nullptr;
 };
 
-/// Calls action(name, fmi::kMember<pointer to member>, Need) for every function.
+/// Calls action(name, fmi::kMember<pointer to member>, Need) for each member of Functions.
 template <typename Action>
 void for_each_function(Action action) {
   using F = Functions;
@@ -121,7 +121,8 @@ void for_each_function(Action action) {
   action("fmi2GetNominalsOfContinuousStates", fmi::kMember<&F::get_nominals_of_continuous_states>, Need::to_integrate);
 }
 
-/// Looks up all functions in a library from dlopen().
+/// Looks up all members of Functions in a loaded library. `library` is its handle from dlopen(), or from LoadLibrary()
+/// on Windows.
 inline Functions find_functions(void* library) {
   return fmi::find_functions<Functions>(library, [](auto action) { for_each_function(action); });
 }

@@ -13,7 +13,7 @@ namespace mebots::fmi3 {
 /// variables of a type.
 enum class Need { to_run, to_step, to_integrate, events, event_mode, always, fmu_state, serialization };
 
-/// Pointers to the functions of one library. A pointer is null if the library lacks the function.
+/// Pointers to the FMI functions in the library of an FMU. A pointer is null if the library lacks the function.
 struct Functions {
   using Byte = fmi3Byte;
 
@@ -85,7 +85,7 @@ struct Functions {
   decltype(&fmi3DoStep) do_step = nullptr;
 };
 
-/// Calls action(name, fmi::kMember<pointer to member>, Need) for every function.
+/// Calls action(name, fmi::kMember<pointer to member>, Need) for each member of Functions.
 template <typename Action>
 void for_each_function(Action action) {
   using F = Functions;
@@ -157,7 +157,8 @@ void for_each_function(Action action) {
   action("fmi3DoStep", fmi::kMember<&F::do_step>, Need::to_step);
 }
 
-/// Looks up all functions in a library from dlopen().
+/// Looks up all members of Functions in a loaded library. `library` is its handle from dlopen(), or from LoadLibrary()
+/// on Windows.
 inline Functions find_functions(void* library) {
   return fmi::find_functions<Functions>(library, [](auto action) { for_each_function(action); });
 }

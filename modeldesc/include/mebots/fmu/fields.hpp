@@ -39,7 +39,8 @@ class NumberField {
   void* at_;
 };
 
-/// Returns null if the FMU has no such variable with this causality, or if the variable has no field.
+/// Returns the variable with this name and causality. Returns null if it does not exist, or if the generated structs
+/// have no field for it.
 inline const Variable* find_variable(Causality causality, std::string_view name) {
   for (const auto& variable : kDefinition.variables) {
     if (variable.name == name && variable.causality == causality && variable.offset != kNoField) return &variable;

@@ -40,10 +40,10 @@ bool is_built_for(const Platform& platform, const std::filesystem::path& library
 /// Returns the first platform of a shared library. Throws mebots::Error if the library has no known platform.
 const Platform& platform_of(const std::filesystem::path& library);
 
-/// Returns the folder of an unpacked FMU that contains the libraries for this machine: `binaries/` and the platform's
-/// name. For FMI 1.0 and 2.0, returns `binaries/linux64` if that folder is missing and `binaries/linux64` contains a
-/// library `file` for this machine. FMI 2.0 has no name for Linux on processors other than x86, so some tools use
-/// `linux64` for all processors.
+/// Returns the folder with the libraries for this machine in an unpacked FMU: `binaries/` and the platform's name. FMI
+/// 2.0 has no name for Linux on processors other than x86, so some tools use `linux64` for all processors. Therefore,
+/// if an FMU of FMI 1.0 or 2.0 lacks this folder, and `binaries/linux64` contains a library `file` for this machine,
+/// returns `binaries/linux64`.
 std::filesystem::path binaries_folder(const std::filesystem::path& fmu, bool is_fmi3, std::string_view file);
 
 }  // namespace mebots::modeldesc

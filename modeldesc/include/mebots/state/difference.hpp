@@ -143,7 +143,8 @@ inline std::string value_text(Type type, const std::byte* at) {
 
 }  // namespace detail
 
-/// Returns the first difference between two listings; empty if both have the same names and bits.
+/// Returns the first variable in which two listings differ; empty if both contain the same variables with the same
+/// bits.
 inline std::optional<Difference> first_difference(const Listing& first, const Listing& second) {
   const std::size_t common = std::min(first.variables.size(), second.variables.size());
   for (std::size_t v = 0; v < common; ++v) {
