@@ -141,7 +141,8 @@ class Chip:
 
 
 def bridge_at(chip, pointer, ready):
-    """Waits until the program's word at `ready` is 1. Returns the address of the program's bridge."""
+    """Waits until the program has created its bridge and set the word at `ready` to 1. Returns the bridge's address. A
+    bridge is a struct in the chip's memory through which a program and its host communicate."""
     chip.run_until("the bridge", lambda: chip.word(pointer) not in (0, 0xDEADBEEF)
                    and chip.word(chip.word(pointer) + ready) == 1)
     return chip.word(pointer)

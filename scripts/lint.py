@@ -60,7 +60,8 @@ def version():
 
 
 def key(build, entry, options, files):
-    """Returns a hash of everything that affects the result. The path of the checkout does not affect it."""
+    """Returns a hash of everything that affects clang-tidy's result for a group of sources. The path of the checkout does
+    not affect it."""
     text = [version(), digest(ROOT / ".clang-tidy"), *options, entry["command"]]
     text += [f"{file} {digest(build / file)}" for file in files if not file.endswith("_cxx.cxx")]
     text += [pathlib.Path(entry["file"]).read_text()]

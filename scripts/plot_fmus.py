@@ -39,7 +39,8 @@ def discharge(_):
 
 
 def settled(fmus, rotor, rows):
-    """Returns the steady thrust [g] and power [W] of four rotors at the bench's duty cycles and voltages."""
+    """Returns the steady thrust [g] and power [W] of four rotors at the duty cycles and voltages of the bench measurements
+    ``rows``."""
     points = []
     for _, _, voltage, duty, _ in rows:
         start = {f"rotor[{i}].command": duty / 100 for i in range(1, 5)} | {"bus.voltage": voltage, "rotor_data": rotor}
@@ -50,7 +51,7 @@ def settled(fmus, rotor, rows):
 
 
 def thrust(fmus):
-    """Draws thrust and power for both rotor files, and the measurements of 2015."""
+    """Draws thrust and power for both rotor files, and the bench measurements of 2015 in crazyflie_bench.json."""
     data = json.loads((ROOT / "fmu_motors/params/rotors/crazyflie_bench.json").read_text())
     rows = np.array(data["bench"]["rows"])
     figure, (left, right) = plt.subplots(1, 2, figsize=(8, 3.4))

@@ -28,7 +28,8 @@ def short(folder, part):
 
 
 def graph_of(root, part):
-    """Returns {(folder, folder): number of includes}, and the row of each folder."""
+    """Returns {(folder, other folder): number of includes}, and {folder: row in the picture}. A row is a layer of
+    layers.json."""
     order = json.loads((REPOSITORY / "tests/structure/layers.json").read_text())
     tree = structure.Structure(root, order)
     edges, rows = Counter(), {}

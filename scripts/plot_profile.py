@@ -63,7 +63,7 @@ def colour(name):
 
 
 def rows_of(stacks):
-    """Returns the number of rows of visible boxes."""
+    """Returns the number of rows that the boxes of all stacks need. Omits boxes that are narrower than LEAST_SHARE."""
     total = sum(cost for _, cost in stacks) or 1
     return max((depth + 1 for depth, _, width, _ in boxes(stacks) if width / total >= LEAST_SHARE), default=1)
 

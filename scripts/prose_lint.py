@@ -44,7 +44,7 @@ SOURCES = {".hpp", ".h", ".cpp", ".c", ".py", ".ts", ".mjs", ".cmake", ".sh"}
 PAGES = {".md", ".rst"}
 COMMENT = re.compile(r'^\s*(?://+<?|#(?!include|define|if|endif|pragma|!)|\*|""")\s?(.*)')
 MESSAGE = re.compile(r'"((?:[^"\\]|\\.){12,})"')
-# Exempts files that quote the patterns, or texts by other authors.
+# Exempts files that must quote the patterns, and files with texts by other authors.
 EXEMPT = {"scripts/prose_lint.py", "CONTRIBUTING.md", "docs/blind-reading.md"}
 
 

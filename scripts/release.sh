@@ -59,7 +59,7 @@ docs() { scripts/docs.sh; }
 built() { scripts/setup.sh && cmake --preset release && cmake --build --preset release; }  # always, because an existing build may be of
                                                                                            # another commit
 
-# Succeeds for a test that a proof may omit.
+# True if the proof (a row of this script's table) stays complete when ctest skips the test.
 may_be_left_out() {  # may_be_left_out PROOF TEST
   case $1:$2 in
     *:Interop.*OMSimulator*) ;;  # OMSimulator has to be built from source
@@ -95,7 +95,7 @@ for name in "${chosen[@]}"; do
     77) result=skipped remark=$(sed -n 's/^skipped: //p' "$logs/$name.txt" | tail -n 1) skipped=$((skipped + 1)) ;;
     *) result=FAILED remark=$(tail -n 1 "$logs/$name.txt") failed=$((failed + 1)); tail -n 5 "$logs/$name.txt" ;;
   esac
-  # Lists tests that ctest omitted. Each makes the proof incomplete.
+  # Lists the tests that ctest skipped. The proof then counts as skipped, unless may_be_left_out permits it.
   left_out=
   while IFS= read -r test; do
     left_out+="${left_out:+, }$test"

@@ -67,7 +67,8 @@ def main():
                         "--log-commits", f"--log={theirs}", arguments.program], check=False, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         count = 0
         tohost = table.get("tohost")
-        # Spike's log may be longer, because Spike has no limit that works with traps.
+        # mebots stops after max_instructions. Spike's log is cut off there, because Spike has no limit that works with
+        # traps.
         expected = itertools.islice(lines(theirs, tohost, entry), arguments.max_instructions)
         for a, b in itertools.zip_longest(lines(ours, tohost), expected):
             if a != b:

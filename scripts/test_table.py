@@ -19,7 +19,7 @@ KINDS = ("passed", "failed", "skipped", "not run")
 
 
 def kind_of(case):
-    """Returns the kind of a testcase element."""
+    """Returns the result of a test: one of KINDS."""
     status = case.get("status")
     if status == "notrun":
         skip = case.find("skipped")

@@ -20,8 +20,8 @@ ROOT = Path(__file__).resolve().parent.parent
 
 
 def battery(k):
-    """Returns the battery's inputs in step k of a flight of 40 g. The flight ends when the protection opens. For one minute, a
-    source supplies power."""
+    """Returns the battery's inputs in step k of a flight with a drone of 40 g. The flight ends when the protection opens.
+    For one minute, a source supplies power."""
     return {
         "motors.power": 9.5 + math.sin(0.3 * k) if k > 2 else 0.0,
         "soc.power": 0.06 if k % 4 else 0.12,

@@ -15,7 +15,8 @@ export PIP_DISABLE_PIP_VERSION_CHECK=1
   ${MEBOTS_INSTALL_FMUS:+-C "cmake.define.MEBOTS_INSTALL_FMUS=$(realpath "$MEBOTS_INSTALL_FMUS")"} .
 PATH=$tools:$PATH auditwheel repair -w build/wheels/repaired build/wheels/linked/mebots-*.whl
 
-# An included library is Debian's lib/<name>.so.<version> with the name <name>-<hash>.so.<version>.
+# auditwheel has renamed the included libraries from lib/<name>.so.<version> to <name>-<hash>.so.<version>. Searches
+# their Debian packages by the original names, and adds the packages' licences.
 "$tools/wheel" unpack --dest build/wheels/unpacked build/wheels/repaired/mebots-*.whl >/dev/null
 tree=$(echo build/wheels/unpacked/mebots-*)
 for library in "$tree"/mebots.libs/*.so*; do

@@ -134,8 +134,8 @@ class ValueLine {
   bool cut_ = false;
 };
 
-/// Appends one line per group, and shared lines for all other values. If values are omitted, the last line names the
-/// option that prints them.
+/// Appends a line with all single values, and then a line for each group or other object. If some values do not fit,
+/// the last line names the option that prints all.
 void append_shared(const Json& values, const Json& units, const Json& intervals, std::vector<std::string>& lines) {
   std::vector<ValueLine> own;
   bool is_cut = false;

@@ -18,7 +18,7 @@ using master::to_seconds;
 
 constexpr double kLookEveryS = 0.1;  // time between two updates of the bar
 constexpr double kLineEveryS = 5.0;  // maximum time between plain lines in a long run
-// Minimum time between plain lines. Otherwise, a line is due after each tenth of the run.
+// Minimum time between two plain lines. Without this limit, each tenth of a short run would print a line.
 constexpr double kLineSoonestS = 1.0;
 constexpr std::size_t kWidestBar = 40;
 constexpr std::size_t kNarrowestBar = 5;
@@ -56,7 +56,7 @@ std::optional<std::string> Progress::reached(const master::Point& point) {
 void Progress::look(const master::Point& point) {
   const auto now = Clock::now();
   const double since_look_s = std::chrono::duration<double>(now - last_look_).count();
-  // Adapts the stride, so that the clock is read about every kLookEveryS.
+  // Adapts the number of steps between two reads of the clock, so that it is read about every kLookEveryS seconds.
   if (since_look_s < kLookEveryS / 2) stride_ = std::min(stride_ * 2, kLongestStride);
   if (since_look_s > kLookEveryS * 2) stride_ = std::max<std::int64_t>(stride_ / 2, 1);
   last_look_ = now;

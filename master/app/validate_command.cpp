@@ -66,7 +66,8 @@ constexpr FileKind kKinds[] = {
 #ifdef MEBOTS_HAS_soc
     {"board",
      [](const Path& file) {
-       // Two readers: one for the variables, one for all other parts.
+       // A board has two checks: read_board() for all parts except the variables, and check_board_variables() for
+       // these.
        data::Document(file).read([&](const data::Node& root) {
          root.attempt([&] { static_cast<void>(soc::read_board(file)); });
          root.attempt([&] { modeldesc::check_board_variables(file); });

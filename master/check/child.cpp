@@ -136,7 +136,7 @@ class PipeWitness final : public Witness {
 /// processor.
 class SpentTime {
  public:
-  /// `child` must contain the child's process number after its start.
+  /// `child` contains the process number of the child. The child must have stored it before seconds() is called.
   explicit SpentTime(const std::atomic<pid_t>& child) : child_(&child) {}
 
   double seconds() {

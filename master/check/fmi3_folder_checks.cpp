@@ -83,7 +83,8 @@ bool is_reversed_domain(std::string_view name) {
          std::ranges::all_of(name, is_label);
 }
 
-/// The functions that all FMUs need, and those of single interface types, separated by spaces.
+/// The names of functions without the prefix "fmi3", separated by spaces. Every FMU must export those in kCommon; each
+/// other constant names those of one interface type.
 constexpr std::string_view kCommon =
     "GetVersion SetDebugLogging FreeInstance EnterInitializationMode ExitInitializationMode EnterEventMode Terminate "
     "Reset GetFloat32 GetFloat64 GetInt8 GetUInt8 GetInt16 GetUInt16 GetInt32 GetUInt32 GetInt64 GetUInt64 GetBoolean "

@@ -48,9 +48,10 @@ struct ElementRule {
   bool anything = false;   // the vendor defines the contents
 };
 
-/// A rule as text. Attributes: `name` or `name:form`, with `!` if required. Children: the element's name, or
-/// `name=rule` if its rule depends on the parent. A child occurs once; `?` means at most once, `+` at least once, `*`
-/// any number. A `|` before the children requires exactly one of them, `&` at least one in any order.
+/// Describes an XML element of a grammar as text. `attributes` are names, or `name:form` if find_form(form) checks the
+/// value, with `!` if required. `children` are the names of elements, or `name=rule` if the child's rule depends on
+/// this parent. A child occurs once; `?` means at most once, `+` at least once, `*` any number. A `|` before the
+/// children requires exactly one of them, `&` at least one in any order.
 struct RuleRow {
   std::string_view rule;
   std::string_view attributes;

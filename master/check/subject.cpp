@@ -91,7 +91,7 @@ std::vector<std::string> Surroundings::changes() {
                                 difference_text(now, floats_)));
     floats_.enter();
   }
-  // A new state reports irreversible changes only once.
+  // Starts a new comparison. Otherwise, each later call would report again the changes that cannot be reverted.
   if (!texts.empty()) process_.emplace();
   return texts;
 }

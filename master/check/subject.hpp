@@ -26,7 +26,7 @@ namespace mebots::check {
 using modeldesc::ModelDescription;
 using modeldesc::Variable;
 
-/// The data of all probes. The data are complete before any code of the FMU runs.
+/// The data that all probes use. They are complete before any code of the FMU runs.
 struct Target {
   const ModelDescription* model;
   std::filesystem::path folder;
@@ -59,7 +59,8 @@ struct Outputs {
 /// signal handlers and mask, timers, priority, affinity, and floating-point environment.
 class Surroundings {
  public:
-  /// Returns descriptions of all changes since construction or the last call, and reverts them if possible.
+  /// Returns a description of each change to the process since construction or the last call. Reverts the changes if
+  /// possible.
   std::vector<std::string> changes();
 
  private:

@@ -19,8 +19,8 @@ namespace mebots::check {
 struct TraceFiles {
   std::filesystem::path inputs;  ///< empty if absent
   std::filesystem::path outputs;
-  /// True if the traces serve the FMI 2.0 and FMI 3.0 versions of a model. Then ignores columns of texts and of
-  /// variables that this FMU lacks.
+  /// True if the same traces belong to the FMI 2.0 and FMI 3.0 versions of a model. Comparisons then ignore columns of
+  /// texts, and columns of variables that this FMU lacks.
   bool of_many_versions = false;
 };
 
@@ -37,7 +37,8 @@ struct TraceScope {
   std::string check_name() const;
 };
 
-/// Reads the column names. Ignores an unreadable file, which read_trace() reports.
+/// Reads the column names of the traces, and returns which columns can be compared. Ignores an unreadable file, because
+/// read_trace() reports it later.
 TraceScope trace_scope(const std::optional<TraceFiles>& files,
                        const std::function<bool(const std::string& name)>& is_number);
 

@@ -121,11 +121,11 @@ const Form& find_form(std::string_view name) {
       {"variability", is_one_of<fmi::kVariabilityWords>, either(fmi::kVariabilityWords)},
       {"initial", is_one_of<fmi::kInitialWords>, either(fmi::kInitialWords)},
       {"dependencies", is_list<is_one_of<kDependencyWords>>, "a list of " + either(kDependencyWords)},
-      // Forms of FMI 1.0 only.
+      // Forms of values that only FMI 1.0 has.
       {"causality1", is_one_of<fmi::kCausalityWords1>, either(fmi::kCausalityWords1)},
       {"variability1", is_one_of<fmi::kVariabilityWords1>, either(fmi::kVariabilityWords1)},
       {"alias1", is_one_of<fmi::kAliasWords1>, either(fmi::kAliasWords1)},
-      // Forms of FMI 3.0 only.
+      // Forms of values that only FMI 3.0 has.
       {"fmi3", is_fmi3_version, "3.0, or a later 3.x"},
       {"causality3", is_one_of<kCausality3Words>, either(kCausality3Words)},
       {"interval", is_one_of<kIntervalWords>, either(kIntervalWords)},

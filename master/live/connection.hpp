@@ -28,7 +28,7 @@ class Connections {
   /// Closes all connections with an incomplete request, and closes later connections at once. Answers in progress have
   /// kLastAnswerTime to finish.
   void close_all();
-  /// Returns the time of the close_all() call, or the largest time before this call.
+  /// Returns the time of the close_all() call, or time_point::max() before this call.
   std::chrono::steady_clock::time_point closed_at() const { return closed_at_; }
 
  private:
@@ -62,13 +62,14 @@ class Connection final : public httplib::Stream {
   Connection(const Connection&) = delete;
   Connection& operator=(const Connection&) = delete;
 
-  /// Waits for the first byte. Returns false after the time limit.
+  /// Waits for the first byte of a request. Returns false if none arrives within kIdleTime, or kCrowdedTime with many
+  /// connections.
   bool begins_request();
   /// Marks the request of the calling thread's connection as complete.
   static void complete_request();
   /// Sets the function that report_sent() calls on the calling thread's connection.
   static void after_sending(std::function<void()> then);
-  /// Must be called after the whole answer was sent.
+  /// Calls the function that after_sending() set. Must be called after the whole answer was sent.
   void report_sent() const {
     if (after_sending_) after_sending_();
   }

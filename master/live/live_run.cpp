@@ -38,7 +38,8 @@ constexpr std::string_view kLeaveOrder = "leave=";
 constexpr auto kHeldNap = 50ms;  ///< time between checks of the interrupt flag during a pause
 constexpr std::string_view kPaceOrder = "pace=";
 
-/// Returns the rows in memory from `first` on as a table, reduced like a table from a file.
+/// Returns the rows in memory from `first` on as a table. Like a table from a file, it keeps only the extremes of each
+/// span if there are many rows.
 master::report::ResultTable table_of(const master::MemorySink& memory, std::size_t first) {
   using master::report::ResultTable;
   const auto& times = memory.times_s();
@@ -195,7 +196,8 @@ std::string LiveRun::data(const Known& known) {
   return master::report::payload_of(std::span(&folder, 1));
 }
 
-/// Adds data that a browser receives only at its start and at the end of the run, when profiles exist.
+/// Adds the data that do not depend on the rows. A browser receives them in its first answer, and again at the end of
+/// the run, because the profiles are written only then.
 void LiveRun::add_constant_data(master::report::RunFolder& folder) const {
   auto side = master::report::read_side_files(run_->options().out);
   folder.scene = std::move(side.scene);

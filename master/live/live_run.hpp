@@ -119,7 +119,8 @@ class LiveRun {
   bool held_ = false;
   bool one_step_ = false;
   bool ended_ = false;
-  // For clients that are not pages.
+  // For clients that are not pages: whether one of them received the end of the run, and the time of their last
+  // request.
   std::atomic<bool> end_sent_{false};
   std::chrono::steady_clock::time_point last_look_{};
   OpenPages pages_;

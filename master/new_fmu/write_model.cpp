@@ -15,7 +15,8 @@ std::string member(const Field& field) {
   return field.cpp_name + "_";
 }
 
-/// Returns C++ code for the value that an output approaches. `index` is the loop variable of arrays.
+/// Returns a C++ expression for the value that an output approaches: the sum of its inputs. If the output is an array,
+/// this is the expression for element `i`.
 std::string target(const Plan& plan, const Lag& lag) {
   std::string text;
   for (const Field* input : lag.inputs) {

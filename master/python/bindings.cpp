@@ -61,7 +61,7 @@ mebots::Value value_of(const py::object& value) {
   if (py::isinstance<py::int_>(value)) return held_by<std::int64_t>(value, "a whole number of 64 bits");
   if (py::isinstance<py::str>(value)) return held_by<std::string>(value, "text in Unicode");
   if (py::isinstance<py::float_>(value)) return value.cast<double>();
-  // NumPy's scalars and similar types.
+  // NumPy's scalars and similar types return a plain Python value from item().
   if (py::hasattr(value, "item")) return value_of(value.attr("item")());
   throw py::type_error("a value is a bool, int, float or str, not " + py::repr(value).cast<std::string>());
 }
@@ -240,7 +240,7 @@ PYBIND11_MODULE(_mebots, module) {
         return py::make_tuple(series.unit, bytes_of(series.values));
       });
 
-  // For the pytest plug-in.
+  // Functions for the pytest plug-in of the package mebots.
   namespace cases = mebots::master::cases;
   module.def("case_names", [](const std::filesystem::path& file) {
     std::vector<std::string> names;
@@ -249,7 +249,7 @@ PYBIND11_MODULE(_mebots, module) {
   });
   module.def("run_case", &cases::run_case_as_json, py::call_guard<py::gil_scoped_release>());
 
-  // For mebots.flight. Texts are JSON.
+  // Functions for the Python package mebots.flight. Files and mappings are returned as JSON texts.
   namespace flight = mebots::master::flight;
   module.def("read_airframe", [](const std::filesystem::path& file) {
     return mebots::master::refused_as_input([&] { return flight::read_airframe(file); }).dump();
@@ -267,7 +267,7 @@ PYBIND11_MODULE(_mebots, module) {
     return mebots::master::refused_as_input([&] { return flight::log_unit_factor(from, to); });
   });
 
-  // For mebots.sweep. Texts are JSON.
+  // Functions for the Python package mebots.exploration. Studies are JSON texts.
   namespace study = mebots::master::study;
   module.def("read_study", [](const std::filesystem::path& file) {
     return mebots::master::refused_as_input([&] { return study::read(file); }).dump();

@@ -292,7 +292,8 @@ TEST(CheckBehaviour, TracesOfTheLayeredStandardAreReplayed) {
                  {folder + "it_out.csv", out}});
   };
   const auto with_trace = [&](const std::string& out) { return findings(fmu_with_trace(out), true); };
-  // For u = 1, y is 2 (1 - exp(-1)). The file serves FMI 2.0 and FMI 3.0, so columns of the other version are ignored.
+  // For u = 1, y is 2 (1 - exp(-1)). The traces are for FMI 2.0 and FMI 3.0, so columns of the other version are
+  // ignored.
   EXPECT_THAT(with_trace("time,binary,y\n0,666f6f,0\n1,666f6f,1.2642411176571153\n"), IsEmpty());
   EXPECT_THAT(with_trace("time,y\n0,0\n1,1.3\n"), Contains(HasSubstr("it_out.csv: first divergence at 1 s")));
   const auto check_of = [&](const std::string& out) {

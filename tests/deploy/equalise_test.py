@@ -38,7 +38,7 @@ def chain(seed=1):
 
 
 def run(graph, values):
-    """Computes a chain with onnxruntime."""
+    """Computes a chain of convolutions, dense layers and maximum pools with onnxruntime."""
     maker = Maker(1, graph.inputs[0].shape)
     name = "x"
     for node in graph.nodes:

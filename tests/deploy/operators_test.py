@@ -39,7 +39,7 @@ class OperatorCase(DeployCase):
                 scales = deployed.network.scales
                 got = named.view(scales[tensor].real(values[tensor]).ravel())
                 layer = next(one for one in deployed.network.layers if one.output is tensor)
-                # The input of a table is rounded, too.
+                # A layer of kind "table" also rounds its input, so its error may be as large as the step of the input.
                 step = max(scales[one].step for one in (tensor, *(layer.inputs if layer.kind == "table" else ())))
                 error = np.abs(got - floats[named.name].reshape(got.shape)).max() / step
                 self.assertLess(error, steps, f"{named.name} of {layer.op}")

@@ -47,8 +47,10 @@ class OwnNetworks(DeployCase):
         self.flies(out)
 
     def accounts_add_up(self, measured):
-        """Checks that the measured costs add up. The causes are all cycles of awake cores, and each instruction has one cycle of the cause
-        "base". The parts sum up to the energy, and the layers to the network. A layer's wait for the DMA is at most its time.
+        """Checks that the measured costs of each layer and of the whole network add up.
+
+        The causes contain all cycles of cores that are awake; the cause "base" contains one cycle per instruction. The energy is the sum of
+        its parts. Waiting for the DMA takes less than the whole time. The cycles of each cause in the network are the sum over its layers.
         """
         for one in (*measured["layers"], measured["total"]):
             self.assertEqual(one["causes"]["base"], one["instructions"])

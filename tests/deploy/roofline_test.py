@@ -26,7 +26,7 @@ class Roofline(DeployCase):
         return deployed, [program.report(CORES, count)["time_s"] for count in range(len(program.bytes) + 1)]
 
     def shares(self, maker, board="ai_deck"):
-        """Returns each layer's bound divided by its measured cycles."""
+        """Returns for each layer the lower bound of its cycles (the roofline) divided by the measured cycles."""
         deployed, times = self.times(maker, board)
         bounds = [roofline.bound(layer, steps, CORES) for layer, steps in zip(deployed.network.layers, deployed.plan.steps, strict=True)]
         return [one / ((b - a) * chip.CLOCK_HZ) for one, a, b in zip(bounds, times, times[1:], strict=False)]

@@ -70,7 +70,7 @@ def main():
             runs.append(again["battery.cell.voltage"])
         assert (runs[0] == runs[1]).all() and len(runs[0]) == 31
 
-        # An instance in a separate process must give the same bits. Its program is next to the package.
+        # An instance in a separate process must give the same bits.
         isolated = mebots.Mission(config(folder, process="own"))
         isolated.set("motors.rotor[1].command", 0.5)
         isolated.set_stop_time(0.3)
@@ -88,8 +88,8 @@ def main():
         raises(KeyError, lambda: fresh["world.drone"], "is not recorded")
         raises(KeyError, lambda: fresh["battery.cell.voltag"], "battery.cell.voltage")
 
-        # Closes a mission with all arguments as keywords before its end. Its files must equal those of the command line, and must
-        # have the same bits after reading.
+        # Creates a mission with all options as keyword arguments, and closes it before its end. Its files must equal those
+        # of the command line, and must have the same bits after reading.
         out = pathlib.Path(folder) / "out"
         points = []
         with mebots.Mission(path, set={"motors.rotor[1].command": 0.5, "battery.cell.name": "lipol_350"}, stop_time=0.5,
@@ -111,7 +111,8 @@ def main():
         raises(mebots.InputError, lambda: mebots.read("nowhere"), "no such folder")
         assert mebots.Mission.run.__doc__ and mebots.Mission.__doc__ and mebots.read.__doc__
 
-        # Listeners may read at a point and request the end, but may not step. Their errors fail the run, but not Python.
+        # Listeners may read variables at a point and request the end of the run, but may not step. If a listener causes an
+        # error, run() raises it and the mission fails.
         seen = []
         watched = mebots.Mission(path)
         watched.on_point(lambda time: time > 0 and seen.append(watched.value("battery.cell.voltage")))
@@ -138,7 +139,7 @@ def main():
         assert changed.summary["inputs"]["changes"] == ["set motors.rotor[1].command=0.5", "stop_time 0.1"]
         raises(TypeError, lambda: mebots.Mission(path).set("motors.rotor[1].command", None), "bool, int, float or str")
 
-        # If a listener raises, the mission fails and calls no FMU. Errors have codes.
+        # If a listener raises an exception, run() raises it and the mission fails. Errors of mebots have codes.
         bad = mebots.Mission(path)
         bad.on_point(lambda time: 1 / 0)
         raises(ZeroDivisionError, bad.run, "division")

@@ -54,7 +54,7 @@ class Percentiles(unittest.TestCase):
 
     def test_intervals_hold_the_percentile_as_often_as_they_say(self):
         """The 80th percentile of U(0, 1) is 0.8. At level 0.9, 300 intervals miss it at most 30 times on average, and more than 51 times
-        with a probability below 1e-4. Both kinds of intervals are conservative."""
+        with a probability below 1e-4. Both percentile_interval() and percentile_sequence() are conservative."""
         chance = random.Random(1)
         samples = [sorted(chance.random() for _ in range(60)) for _ in range(300)]
         for interval in (answers.percentile_interval, answers.percentile_sequence):

@@ -57,7 +57,8 @@ class SavedState(StudyCase):
         self.assertEqual(result(past), self.straight({}))
 
     def test_an_fmu_is_not_set_back_it_is_made_anew(self):
-        """In the first mission, the master promised the FMU not to restore states before 0.8 s."""
+        """The first run promises the FMU that no state before 0.8 s will be restored. Therefore the second run must create a new instance
+        instead of restoring the state of 0.3 s in the first one."""
         mission = mebots.Mission(self.folder / "mission.json")
         mission.run_until(0.3)
         state = mission.save_state()

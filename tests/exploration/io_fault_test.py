@@ -50,13 +50,14 @@ class Invented(concurrent.futures.Executor):
 
 
 def run_with_faults(study, out, faults):
-    """Runs in a process with the library loaded. Prints a list per fault (kind, name, number, the study's exception, files that differ from
-    those without faults or remain, and the problem after the next run), and the number of calls by kind."""
+    """Runs a study once for each fault, in a process with the library that injects faults. Prints the number of calls by kind, and a list
+    for each fault: kind of call, fault, number of the call, the study's exception, files that remain or differ from those without faults,
+    and the problems of the next run."""
     faults.arm.argtypes = [ctypes.c_char_p, ctypes.c_int, ctypes.c_int, ctypes.c_long, ctypes.c_int]
     faults.count.restype = ctypes.c_long
 
     def fly(kind=0, error=0, number=0, sticky=False):
-        """Returns the study's exception."""
+        """Runs the study with this fault. Returns the text of its exception, or an empty text."""
         faults.arm(str(out).encode(), kind, error, number, sticky)
         try:
             mebots.sweep(study, out, executor=Invented(), jobs=2)
@@ -89,7 +90,8 @@ def run_with_faults(study, out, faults):
 
 
 def fault_of(fault, raised, torn, again):
-    """Returns how a run violated the requirements, or an empty text."""
+    """Returns the reason why a run with a fault is wrong, or an empty text. The study must report the fault unless it is harmless, leave no
+    incomplete file, and give the same tables in the next run."""
     if torn or again:
         return f"torn: {torn}" if torn else f"the next run: {again}"
     if fault.removesuffix(io_faults.STICKY) in io_faults.HARMLESS:

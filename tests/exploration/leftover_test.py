@@ -21,8 +21,8 @@ def fmu_of(place):
 
 class LeftoverCase(StudyCase):
     def mission(self, **instances):
-        """Writes a mission with these instances. Each value is the place where the FMU keeps data, and further properties of the instance.
-        """
+        """Writes a mission with these instances. Each value is a pair: the place where the FMU keeps data outside its instances, such as
+        "static_variable", and a dict with further properties of the instance."""
         (self.folder / "mission.json").write_text(json.dumps({
             "step": 0.125, "stop_time": 1, "connections": [], "record": [f"{name}.sum" for name in instances],
             "instances": {name: {"fmu": fmu_of(place)} | more for name, (place, more) in instances.items()},
@@ -33,7 +33,7 @@ class LeftoverCase(StudyCase):
             "design": {"kind": "grid", "factors": {"a.gain": GAINS}}, "draws": None, "objectives": {"sum": {"summary": "a"}}} | sections)
 
     def single_runs(self):
-        """Returns the sums at the end of runs in separate processes, one per gain."""
+        """Returns the final sum of `a` for each gain, from separate calls of `mebots run`."""
         sums = []
         for number, gain in enumerate(GAINS):
             out = self.folder / f"single{number}"

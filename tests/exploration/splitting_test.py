@@ -49,7 +49,7 @@ class WalkCase(StudyCase):
             splitting={"score": "walk.height", "missions": missions, "reseed": ["walk.seed"]} | way | more)
 
     def counted(self, missions):
-        """Counts the walks that reach 12 in a study. Returns the row of the design."""
+        """Counts the walks that reach the height 12 in a study without splitting. Returns the row of its only design in designs.csv."""
         self.study(design={"kind": "grid", "factors": {"/stop_time": [STEPS]}},
                    draws={"replicates": missions, "seed": 1, "variables": {"walk.seed": {"integer": [1, 2000000000]}}},
                    objectives={"success": {"outcome": "high"}})
@@ -202,7 +202,7 @@ class RareEventsAgainstTheory(WalkCase):
         self.assertLess(float(answer["probability: low"]), exact)
         self.assertGreater(float(answer["probability: high"]), exact)
         self.assertLess(abs(found / exact - 1), 3 * relative)
-        # The number of missions for the same relative error without splitting is (1 - p) / (p e^2).
+        # Without splitting, the relative error e of the probability p needs (1 - p) / (p e^2) missions.
         plain_s = (1 - exact) / (exact * relative**2) * STEPS
         print(f"{found:.3g} ({exact:.3g}), error {relative:.2g}, {plain_s / float(answer['simulated_time [s]']):.0f} times less simulated")
         self.assertGreater(plain_s / float(answer["simulated_time [s]"]), 10)

@@ -23,7 +23,8 @@ MASS_KG = 0.0376
 
 class FastCell(unittest.TestCase):
     def fmu_voltage(self, cell, charge, power_w):
-        """Returns the mean terminal voltage in each interval of the fast cell, for a voltage-dependent power."""
+        """Returns the cell voltage that fmu_battery computes, as the mean over each interval of the fast cell model. ``power_w`` gives the
+        power as a function of the voltage."""
         with tempfile.TemporaryDirectory() as folder:
             file = pathlib.Path(folder) / "mission.json"
             file.write_text(json.dumps({
@@ -52,7 +53,8 @@ class FastCell(unittest.TestCase):
             steps = round(DURATION_S / cell_model.STEP_S)
             fast = cell_model.discharge(cell, rest_v, np.array([1.0]), lambda k, voltage: power_w(voltage), steps, 0.0)[0]
             exact = self.fmu_voltage(name, charge, power_w)
-            # In the first intervals, the voltages of the RC pairs change fastest; the charge of an interval changes the voltage by 0.5 mV.
+            # Skips the first four intervals, in which the voltages of the RC pairs change fastest. In one interval, the charge changes the
+            # voltage by 0.5 mV.
             self.assertLess(np.abs(fast - exact)[4:].max(), 2e-3, name)
 
 

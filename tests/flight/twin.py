@@ -67,7 +67,7 @@ def log_bytes(times, duty, rpm, millivolts, climb):
 
 
 def airframe(folder, name="airframe.json", **changes):
-    """Writes an airframe with the twin's mass."""
+    """Writes an airframe with the mass of the drone in the generated flight."""
     content = json.loads((SOURCE / "configs/airframes/crazyflie_21.json").read_text())
     content["mass_without_cell"] |= {"value": MASS_KG - 0.0071, "interval": [0.02, 0.025]}
     path = folder / name

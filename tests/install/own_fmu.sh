@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-# Tests FMUs from two descriptions: one with scalars only, one with all types and groups. Their namespaces are that of
-# mebots, the user's own, and none.
+# Tests FMUs that `mebots new-fmu` creates from two descriptions: one with scalars only, one with all types and groups.
+# The C++ namespace in the description is that of mebots, another one, or empty.
 set -euo pipefail
 launcher=$(command -v ccache || true)
 try() {  # DESCRIPTION NAME NAMESPACE

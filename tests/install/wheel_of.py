@@ -21,8 +21,8 @@ import zipfile
 
 
 def installed_tree(build, work):
-    """Returns a folder with the package `mebots` in the layout of a wheel: the Python files, and bin, lib, include and share
-    among them."""
+    """Returns a folder with the package `mebots` in the layout of a wheel: the package's folder contains the Python files
+    and the folders bin, lib, include and share."""
     prefix = work / "installed"
     subprocess.run(["cmake", "--install", build, "--prefix", prefix], check=True, stdout=subprocess.DEVNULL)
     tree = work / "tree"

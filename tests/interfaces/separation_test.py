@@ -34,8 +34,8 @@ def check(what, found, right):
 
 
 def two_missions(folder):
-    """Runs both missions at the same time, and then one after the other. The second case also matters, because the loader never
-    unloads a library with unique symbols."""
+    """Runs the missions of two FMUs at the same time, and then one after the other. The second case also matters, because
+    the loader never unloads a library with unique symbols, so the next mission could use it."""
     for kind in ("library", "unique", "opens"):
         two, three = (mebots.Mission(config(folder, f"{kind}{gain}", f"{kind}_{gain}")) for gain in (2, 3))
         for _ in range(5):

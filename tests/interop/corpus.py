@@ -42,8 +42,8 @@ SAME = 1e-12   # relative: rounding of sums in another order
 HALVED_STEPS = 200  # limit for the number of steps of the coarsest run with halved steps
 GROWS = 1.05   # of an error: allowance for rounding of the last point
 
-# Differences from a truth whose cause is in the FMU. The key is the end of the FMU's path. The value is the cause, which is
-# printed.
+# FMUs that differ from a known solution for a reason in the FMU itself. The key is the end of the FMU's path. The value is
+# the reason, which is printed.
 EXPLAINED = {
     "MassSpringDamper1.fmu": "adds its steps of 0.01 s up in floating point; five points are one such step ahead, all others exact to 1e-8",
     "initializer/src/test/resources/watertank-c.fmu": "its level rises by 1 in each step, whatever the step's length",
@@ -252,7 +252,8 @@ def times_of(what):
 
 
 def finer(what, parts):
-    """Returns the plan with each step divided into `parts`. The run without division has at most HALVED_STEPS steps."""
+    """Returns the plan `what` of a run, with each step divided into `parts`. The undivided run has at most HALVED_STEPS
+    steps."""
     steps = min(what["steps"], HALVED_STEPS)
     return what | {"step_ns": what["step_ns"] // parts, "steps": steps * parts}
 
@@ -267,7 +268,8 @@ def compare_with_truths(row, what, known):
 
 
 def error_of(what, columns, known):
-    """Returns the largest error against the first truth, at the points of the run with the longest steps."""
+    """Returns the largest error against the first known solution, at the points of the plan `what`, which has the longest
+    steps."""
     return truths.compare(known[0], times_of(what), what["step_ns"] / 1e9, columns)[1]
 
 
@@ -305,7 +307,8 @@ def explanation(row):
 
 
 def judge_truths(row):
-    """Marks the row as unexplained if an output differs from a truth or the error grows, and EXPLAINED lacks the FMU."""
+    """Marks the row as unexplained if an output differs from a known solution or its error grows with smaller steps, and
+    EXPLAINED lacks the FMU."""
     wrong = [truth for truth in row.get("truths", []) if not truth["agrees"]]
     if row["run"] == "runs" and (wrong or row["halved"].startswith("grows")) and not explanation(row):
         row["explained"] = False
@@ -347,7 +350,7 @@ def different(fmus):
 
 
 def word_of(row):
-    """Returns the class of a verdict for the summary."""
+    """Returns a row's verdict for the summary. If the verdict is a number, returns "within 1e-12" or "numbers differ"."""
     if not re.match(r"\d", row["verdict"]):
         return row["verdict"]
     return "within 1e-12" if row["difference"] <= SAME else "numbers differ"
@@ -360,7 +363,8 @@ def truth_text(row):
 
 
 def show_truths(rows):
-    """Prints the FMUs with their truths. Then prints, for each kind of truth, the number of FMUs and how many of them agree."""
+    """Prints the FMUs with known solutions. Then prints for each kind of solution how many FMUs have one, and how many of
+    these agree with it."""
     rows = [row for row in rows if row["verdict"] != "left out" and row["run"] == "runs"]
     print("\n| FMU | truth | halved steps | explanation |\n|---|---|---|---|")
     for row in rows:

@@ -80,7 +80,8 @@ def elements(name, shape):
 
 
 def plans(fmu):
-    """Returns a plan for each kind of the FMU. Raises NotOurs if there is none."""
+    """Returns a plan for each kind (co-simulation, model exchange) for which the FMU is compared. Raises NotOurs if there
+    is none."""
     try:
         with zipfile.ZipFile(fmu) as archive:
             members = set(archive.namelist())

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Tests that mebots runs FMUs of pythonfmu without preparations, each in its own process. Uses the Python interpreter of
-MEBOTS_PYTHON or of PATH.
+"""Tests that mebots runs FMUs of pythonfmu without special options, each in its own process. The FMUs use the Python
+interpreter of MEBOTS_PYTHON or of PATH.
 
 Usage: pythonfmu_check.py MEBOTS
 

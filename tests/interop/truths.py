@@ -62,9 +62,8 @@ def is_jump(times, places):
 
 
 def sources(model, block):
-    """Returns the signal and the jumps of a block of Modelica.Blocks.Sources by the documentation of the library. For any other
-    block, returns None.
-    """
+    """Returns the output of a block of Modelica.Blocks.Sources as a function of time, and the times of its jumps, both as
+    the library's documentation defines them. For any other block, returns None."""
     offset = model["offset"] if model.has("offset") else 0.0
     start = model["startTime"] if model.has("startTime") else 0.0
     frequency = model["f"] if model.has("f") else model["freqHz"] if model.has("freqHz") else 0.0
@@ -182,7 +181,8 @@ def columns(names, rows):
 
 
 def of_method(names, truth, rate, start, internal=None, event=None):
-    """Returns a bound for explicit Euler with the step `internal`. If `internal` is None, uses the communication step."""
+    """Returns a function that computes the permitted deviation from the exact solution for explicit Euler. `internal` is
+    the step of the FMU's solver. If it is None, the solver uses the communication step."""
     def bound(times, step):
         exact = truth(times)
         coarse = columns(names, euler(rate, start, times, internal or step, event))
@@ -192,7 +192,8 @@ def of_method(names, truth, rate, start, internal=None, event=None):
 
 
 def of_tolerance(model, truth):
-    """Returns a bound for a solver with error control. The errors of its steps add up."""
+    """Returns a function that computes the permitted deviation for a solver with error control, and a text about it. The
+    deviation is that of 100 steps whose errors add up."""
     steps = 100
 
     def bound(times, _step):
@@ -239,7 +240,7 @@ def openmodelica(model):
     return None
 
 
-# Reference FMUs and their forerunners.
+# Reference FMUs, and older FMUs of the same models.
 
 
 def bouncing(height, speed, gravity, damping, stop_speed, times):
@@ -331,7 +332,7 @@ def reference_fmu(model):
 
 
 def pendulum(model):
-    """Returns the truth for FMIZoo.jl's mass on a spring, with and without a damper or a force."""
+    """Returns the known solution of FMIZoo.jl's mass on a spring, with and without a damper or a force."""
     if not model.name.startswith("Spring") or "Friction" in model.name or not model.has("mass.s", "spring.c", "mass.m"):
         return None
     mass, stiffness = model["mass.m"], model["spring.c"]
@@ -388,8 +389,8 @@ def other(model):
 
 
 def reference_file(fmu, model):
-    """Reads the truth from `NAME_ref.csv` or `NAME_out.csv` next to the FMU. If there is no such file, or if the FMU needs inputs
-    from a file, returns None."""
+    """Reads a known solution from `NAME_ref.csv` or `NAME_out.csv` next to the FMU. If there is no such file, or if the FMU
+    needs inputs from a file, returns None."""
     stem = fmu.with_suffix("")
     if pathlib.Path(f"{stem}_in.csv").exists():
         return None
@@ -414,7 +415,7 @@ def reference_file(fmu, model):
 
 
 def truths_of(fmu, description):
-    """Returns all known truths for an FMU."""
+    """Returns all known solutions for an FMU."""
     model = Model(description)
     found = [rule(model) for rule in (modelica_block, openmodelica, reference_fmu, pendulum, other)]
     return [truth for truth in [*found, reference_file(fmu, model)] if truth]

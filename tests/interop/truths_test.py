@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Compares the truths of the corpus with values computed by hand. Also checks that truths reject wrong results."""
+"""Compares the known solutions in truths.py with values computed by hand. Also checks that wrong results do not agree with
+them."""
 
 import math
 import types

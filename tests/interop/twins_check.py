@@ -155,7 +155,7 @@ class Three:
 
 
 class Twins:
-    """Both FMUs after unpacking."""
+    """Unpacks the FMI 2.0 and FMI 3.0 versions of an FMU, and creates an instance of each."""
 
     def __init__(self, folder, name, into):
         self.archives = [folder / f"{name}.fmu", folder / f"{name}_fmi3.fmu"]

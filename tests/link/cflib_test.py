@@ -20,7 +20,8 @@ from cflib.utils.reset_estimator import reset_estimator
 from support import CONFIG, LinkCase
 
 cflib.crtp.init_drivers()
-# The PID cascade has an error of a few centimetres, because its integral compensates drag slowly (1 degree per metre).
+# Drones reach a position with an error of a few centimetres, because the integral part of the controller compensates drag
+# slowly.
 REACHED_M = 0.1
 ONE_WORLD = CONFIG.with_name("link_4.json")
 

@@ -27,7 +27,7 @@ csv.field_size_limit(1 << 20)
 
 
 class Targets:
-    """Sets up the targets of the attacks."""
+    """Creates the files, memory, processes and sockets that the FMU attacks."""
 
     def __init__(self, folder: pathlib.Path):
         self.home = folder / "home"
@@ -64,7 +64,8 @@ class Targets:
 
     def text(self, kind: str) -> str:
         ports = [line.getsockname()[1] if line else 1 for line in self.sockets[2:]]
-        # Checks these effects from outside, because the sandbox has its own /tmp and network, which look like those of the system.
+        # In the sandbox, the FMU has its own /tmp and network, and cannot distinguish them from those of the system.
+        # Therefore effects on these are checked from outside.
         values = {"home": self.home, "shared_memory": self.shared_memory, "temporary_file": self.temporary_file, "temporary": self.left,
                   "process": self.process.pid, "address": self.address, "key": KEY, "socket": self.path, "abstract": self.abstract,
                   "port": ports[0], "port6": ports[1], "port_udp": ports[0], "free_port": 0, "master": os.getpid(),

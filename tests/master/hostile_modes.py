@@ -5,8 +5,8 @@
 Usage: hostile_modes.py MEBOTS PROBE.fmu [--compare FILE]
 
 Every cell is a run of two instances, of which the second one fails half-way. With --compare, all rows must be in FILE:
-exits with 1 if one is not, and with 77 on a kernel that cannot keep signals inside (before Linux 6.12) or cannot make a
-sandbox.
+exits with 1 if one is not, and with 77 on a kernel that cannot block signals from a sandbox (before Linux 6.12) or cannot
+create a sandbox.
 """
 
 import argparse

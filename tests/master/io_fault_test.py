@@ -73,7 +73,8 @@ def without_times(text):
 
 
 def rows_of(file):
-    """Returns the datasets of an HDF5 file. A resumed run copies them from results.csv to other places in the file."""
+    """Returns the datasets of an HDF5 file. The files themselves may differ: a resumed run copies the rows from results.csv
+    to other places in the file."""
     found = {}
 
     def take(name, item):
@@ -86,7 +87,7 @@ def rows_of(file):
 
 
 def content(out):
-    """Returns the files that must be equal in each run, by name."""
+    """Returns the files that must be equal with and without faults, by name."""
     files = {path.name: path.read_bytes() for path in out.iterdir() if path.is_file()}
     if "summary.json" in files:
         files["summary.json"] = without_times(files["summary.json"])
@@ -152,7 +153,8 @@ def problem_of(case, out, fault, done, whole, preload):
 
 
 def sweep(name, case, folder, preload, most):
-    """Makes each call of a case fail in turn. Prints a row per kind of call and fault. Returns the number of problems."""
+    """Runs a case many times. In each run, a different call that writes files fails. Prints a row per kind of call and
+    fault. Returns the number of problems."""
     out = folder / "out"
     done, counts = io_faults.run(preload, case.first(out), out)
     assert done.returncode == 0, done.stderr

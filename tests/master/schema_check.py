@@ -295,7 +295,7 @@ CHANGES_OF_A_KIND = 150
 
 
 def changes(value, path=()):
-    """Yields paths into a file and their replacements."""
+    """Yields systematic changes of a file: the path of a key, and its new value or ABSENT."""
     if path and path[-1] != "$schema":
         yield path, ABSENT
         for other in (None, "x", "", 3, -1, 0, 1e9, [], {}, True):
@@ -311,7 +311,7 @@ def changes(value, path=()):
 
 
 def codes_of(mebots, files):
-    """Returns the error codes of the reader for each file."""
+    """Returns the error codes that `mebots validate` reports for each file."""
     result = subprocess.run([mebots, "validate", *files], capture_output=True, text=True)
     if result.returncode not in (0, 2):
         sys.exit(f"FAILED: mebots validate ended with {result.returncode}: {result.stderr}")

@@ -154,7 +154,7 @@ TEST(RatioSteps, InstancesStepOnMultiples) {
 }
 
 TEST(RatioSteps, ConditionsAndScenariosCountWholeSteps) {
-  // In internal time, two steps of 1/60 s are 33333333 or 33333334 ns.
+  // In whole nanoseconds, two steps of 1/60 s take 33333333 or 33333334 ns, depending on where they begin.
   for (int first = 1; first <= 6; ++first) {
     TestRun run(probe_system(
         R"("step": "1/60", "stop_time": 1)", "",

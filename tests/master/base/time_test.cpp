@@ -96,7 +96,8 @@ TEST(Time, RoundsToWholeNumbersWithTiesToEven) {
 
 /// True if x is the double nearest to numerator / denominator, so that neither neighbour of x is nearer.
 bool is_nearest(WideInteger numerator, std::int64_t denominator, double x) {
-  // For x = m / 2^s, the distance times 2^s times the denominator is the whole number |numerator 2^s - m denominator|.
+  // For value = m / 2^s, returns the distance from value to the ratio, times 2^s, times the denominator. This is a
+  // whole number.
   const auto distance = [&](double value, int s) {
     const auto m = static_cast<WideInteger>(std::ldexp(value, s));
     const auto difference = (numerator << s) - m * denominator;

@@ -305,7 +305,7 @@ TEST(InputDerivatives, OnesThatAreNoNumbersLeaveTheInputHeldWithOneNotice) {
       1);
 }
 
-/// Simulates two masses with a spring between them, each of which is integrated exactly. Returns the largest error of
+/// Simulates two masses with a spring between them. Each FMU integrates its mass exactly. Returns the largest error of
 /// both positions over 5 s. The exact solution is x = (cos(sqrt(10) t) +- cos(sqrt(30) t)) / 2.
 double error_of_two_masses(const test::ChangedFmu& fmu, const std::string& algorithm, int steps_per_second) {
   TestRun run(fmt::format(

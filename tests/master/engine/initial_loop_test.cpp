@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Compares the search for loops of initial values with a search over all edges on random systems.
+// Tests the search for loops of initial values on random systems: compares it with a recursive search over all edges.
 #include "engine/ensemble.hpp"
 #include "mebots/modeldesc/archive.hpp"
 #include "mebots/modeldesc/xml.hpp"
@@ -98,7 +98,8 @@ struct RandomSystem {
     return static_cast<std::size_t>(variable.variable - system.instances[variable.instance].model->variables.data());
   }
 
-  /// Returns all edges between connected variables, except those to `without`.
+  /// Returns the edges between connected variables, and those from inputs to outputs of an FMU. Omits connections to
+  /// the inputs in `without`.
   Edges edges(const std::set<std::pair<std::size_t, std::size_t>>& without = {}) const {
     Edges edges;
     for (const auto& connection : system.connections) {

@@ -101,7 +101,8 @@ TEST(ModelExchange, PassesDiscreteValuesOnWithinOneEvent) {
 }
 
 TEST(ModelExchange, FollowsTheSlopesOfInputsFromFiles) {
-  // x'' = t from rest gives x = t^3 / 6, although the force is known only at communication points.
+  // x'' = t from rest gives x = t^3 / 6. Within a step, the solver must follow the slope of the force, which is known
+  // only at communication points.
   modeldesc::TemporaryFolder folder{"mebots-test"};
   test::write_file(folder.path() / "force.csv", "time,a.force\n0,0\n2,2\n");
   const auto inputs = fmt::format(R"(, "inputs": {{"file": "{}"}})", (folder.path() / "force.csv").string());

@@ -38,7 +38,7 @@ std::string narrowing_error(const std::string& inputs, const std::string& from, 
 }
 
 TEST(Narrow, TakesTheNearestValueOfTheInputsType) {
-  // The shortest text of a Float32 is recorded.
+  // Results contain the shortest text of a Float32, such as 0.1. Therefore this value is compared as a float.
   EXPECT_EQ(static_cast<float>(narrowed(R"("wide": 0.10000000149)", "wide_out", "single", "single_out")), 0.1F);
   EXPECT_EQ(narrowed(R"("long": 255)", "long_out", "byte", "byte_out"), 255);
   EXPECT_EQ(narrowed(R"("long": 9007199254740993)", "long_out", "wide", "wide_out"), 9007199254740992.0);

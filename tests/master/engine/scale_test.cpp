@@ -72,7 +72,7 @@ TEST(Scale, AThousandInstancesOfOneFmuRunAsARing) {
       fmt::format(R"({{"step": 1, "stop_time": {}, "record": ["i{}.y"], "instances": {{{}}}, "connections": [{}]}})",
                   kCount + 10, kCount - 1, instances, connections));
   const auto last = run.to_end().column(fmt::format("i{}.y", kCount - 1));
-  // The first value passes one instance per step until it reaches the last output.
+  // In each step, the first value reaches the next instance, so the last of kCount outputs changes after kCount steps.
   EXPECT_EQ(last[kCount - 1], 0);
   EXPECT_EQ(last[kCount], 1);
 }
@@ -106,7 +106,8 @@ TEST(Scale, AWholeRunTakesTimeInProportionToItsInstancesAndConnections) {
   constexpr int kFew = 2500;
   constexpr int kTimes = 8;
   const double few = std::max({seconds_of(kFew), seconds_of(kFew), seconds_of(kFew)});
-  // The measured ratio is 7. A linear search of all instances by each connection would give 43.
+  // For eight times the instances, the time is about 7 times as long. If each connection searched all instances one by
+  // one, it would be 43 times as long.
   EXPECT_LT(seconds_of(kTimes * kFew), 2.5 * kTimes * few);
 }
 

@@ -28,7 +28,8 @@ struct Settings {
   int seconds = 5;
 };
 
-/// Returns a config of two masses with a spring between them (tests/fmus/coupling.c). Their inputs are held.
+/// Returns a config of two masses with a spring between them (tests/fmus/coupling.c). Their inputs are constant during
+/// a step.
 std::string masses(const Settings& settings) {
   static const test::ChangedFmu held("coupling", R"(canInterpolateInputs="true" maxOutputDerivativeOrder="2")", "");
   return fmt::format(R"({{"step": {0}, "stop_time": {1}{2}, {3} "instances": {{
@@ -138,8 +139,8 @@ TEST(StepControl, NeedsFewerStepsThanAFixedStepWhenTheSystemComesToRest) {
 }
 
 TEST(StepControl, ABondMakesTheEnergyThatIsReported) {
-  // The energy that both halves gain equals the energy that the coupling creates, also for steps of different lengths
-  // (see BondEnergy.IsWhatBothHalves...).
+  // The energy of a and b together increases by the energy that the coupling creates, also for steps of different
+  // lengths (see BondEnergy.IsWhatBothHalvesTogetherGained).
   static const test::ChangedFmu held("oscillator", R"(canInterpolateInputs="true" maxOutputDerivativeOrder="1")", "");
   const modeldesc::TemporaryFolder folder("mebots-test");
   test::write_file(folder.path() / "test.json", fmt::format(R"({{"step": 0.0001, "stop_time": 5, "instances": {{
@@ -222,7 +223,8 @@ TEST(StepControl, RowsOfSignalsAreForcedPoints) {
 }
 
 TEST(StepControl, OthersSeeATickAtTheNextPointOfTheGrid) {
-  // A countdown of 0.17 s (tests/fmus/metronome.cpp), and masses that permit longer steps.
+  // The clocks of m (tests/fmus/metronome.cpp) tick at 0.15 s, 0.17 s, 0.45 s and so on. The masses a and b alone would
+  // permit longer steps.
   static const test::ChangedFmu held("coupling", R"(canInterpolateInputs="true" maxOutputDerivativeOrder="2")", "");
   TestRun run(
       fmt::format(R"({{"step": 0.01, "stop_time": 1, "step_control": {{"max_step": 0.5, "relative_tolerance": 1}},
@@ -266,7 +268,8 @@ TEST(StepControl, LimitsTheStepOverAJumpWithRollback) {
 }
 
 TEST(StepControl, ARejectedStepLeavesNoTrace) {
-  // Repeats only the accepted steps, which a scenario forces. The results must have the same bits.
+  // Runs again with the accepted steps only: the scenario has an entry at the end of each of them. The results must
+  // have the same bits.
   TestRun repeated(jump("required"));
   const auto times = repeated.to_end().column("time");
   ASSERT_GT(repeated.simulation().step_statistics()->rejected, 0);

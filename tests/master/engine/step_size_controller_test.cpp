@@ -20,7 +20,7 @@ StepControlDescription description(std::int64_t most = 1'000'000) {
   return result;
 }
 
-/// Returns the length after 2000 steps, whose errors are (length / wanted)^order.
+/// Returns the step length after 2000 steps. The error of a step is (length / wanted)^order.
 std::int64_t settled(const StepControlDescription& description, double wanted, int order) {
   StepSizeController controller(description);
   std::int64_t steps = 0;
@@ -32,7 +32,8 @@ std::int64_t settled(const StepControlDescription& description, double wanted, i
 }
 
 TEST(StepSizeController, SettlesWhereTheIntegralPartIsOne) {
-  // safety * e^-(kI + kP) * e^kP = 1, so that e = safety^(1 / kI). e is the square of length / wanted.
+  // The length is constant if safety * e^-(kI + kP) * e^kP = 1, so that e = safety^(1 / kI). For every order, e is the
+  // square of length / wanted.
   const double error = std::pow(0.8, 1 / 0.15);
   for (const int order : {1, 2, 3, 4, 6}) {
     EXPECT_NEAR(static_cast<double>(settled(description(), 100'000, order)), 100'000 * std::sqrt(error), 2) << order;
@@ -77,7 +78,8 @@ TEST(StepSizeController, StaysWithinItsLimits) {
 }
 
 TEST(StepSizeController, GrowsFromTheShortestStep) {
-  // 1.5 times the shortest step is not an integer number of intervals. The controller must not lose the remainder.
+  // Lengths are whole numbers of intervals. 1.5 times the shortest length is not, so the controller must keep the
+  // remainder.
   StepSizeController controller(description());
   std::vector<std::int64_t> lengths;
   for (int i = 0; i < 5; ++i) {

@@ -31,8 +31,8 @@ TEST(ThreadPolicy, ShortStepsAreNeverTriedInParallel) {
   }
 }
 
-/// Returns how many of 10000 windows the policy steps in parallel. The arguments are the durations of a window in
-/// seconds.
+/// A window is a number of steps after which the policy can change between one thread and parallel stepping. Returns
+/// how many of 10000 windows are parallel. `serial_s` and `parallel_s` are the durations of a window in seconds.
 int parallel_windows(double serial_s, double parallel_s) {
   ThreadPolicy policy;
   int parallel = 0;

@@ -42,7 +42,8 @@ class Ignoring final : public CallbackListener {
   void step_finished(int /*status*/) override {}
 };
 
-/// Runs in one process are independent. Only instances whose library was the caller may be affected.
+/// If the end of a step belongs to no known instance, only the FMU whose library made the call counts it. Other runs in
+/// the same process must not be affected.
 TEST(Callbacks, AStepEndOfNoKnownInstanceCountsForTheLibraryThatCalled) {
   Ignoring listener;
   CallbackTarget of_caller(listener, "a");

@@ -172,7 +172,8 @@ TEST(FmuHost, LoadsTheCLibraryAloneAndExportsNothingElse) {
   EXPECT_THAT(host.needed, Not(IsEmpty()));
   EXPECT_TRUE(std::ranges::all_of(host.needed, master::is_c_library))
       << fmt::format("{}", fmt::join(host.needed, ", "));
-  // The linker copies variables of the C library into a program. The host also replaces _exit() and exec().
+  // The host exports only symbols of the C library: variables that the linker copies into a program, and its
+  // replacements of _exit() and exec().
   std::vector<std::string> of_c_library;
   for (const auto& library : modeldesc::loaded_libraries(modeldesc::UniqueSymbols::skip)) {
     if (!master::is_c_library(library.soname)) continue;

@@ -365,7 +365,8 @@ TEST(Config, FmusThatDoNotExistAreRefusedAsFastAsOthersAreRead) {
       const auto text = test::input_error([&] { read_config(file); });
       EXPECT_THAT(text, AllOf(HasSubstr("there is no FMU "), HasSubstr(fmt::format("and {} more", kCount - 20))));
     });
-    // The measured factor is 2 to 6. If every instance searched all folders, it would be 100.
+    // If FMUs do not exist, reading takes 2 to 6 times as long. A search of all folders by every instance would take
+    // 100 times as long.
     EXPECT_LT(missing_s, 30 * good_s) << missing;
   }
 }

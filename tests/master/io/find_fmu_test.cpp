@@ -31,7 +31,7 @@ class SearchPath {
 };
 
 struct FindFmu : testing::Test {
-  /// Writes a file that a search finds as an FMU.
+  /// Writes a file in place of an FMU. find_fmu() does not read its content.
   std::filesystem::path file(const std::filesystem::path& name, const std::string& text = "x") {
     const auto path = std::filesystem::canonical(folder.path()) / name;
     std::filesystem::create_directories(path.parent_path());

@@ -81,7 +81,7 @@ TEST(SingleFmu, GivenTimesWin) {
   EXPECT_THAT(times("", {0.3, std::nullopt}), ElementsAre(0, DoubleNear(0.9, 1e-15), 0.3));
   EXPECT_THAT(notices(kExperiment, {0.25, 2}),
               Contains(AllOf(HasSubstr("2 s (--stop-time)"), HasSubstr("0.25 s (--step)"))));
-  // A stop time of the user must not be changed.
+  // A stop time that the user gives is not changed. If it is not a multiple of the step, it is rejected.
   EXPECT_THAT(test::input_error([] {
                 times(kExperiment, {std::nullopt, 0.25});
               }),
@@ -118,7 +118,8 @@ TEST(SingleFmu, ResumesFromACheckpointToTheSameBits) {
   std::filesystem::copy(PROBE_FMU, folder.path() / "thing.fmu");
   const std::string signal = "time,real_in\n0,0\n0.35,1\n0.35,2\n1,10\n";
   test::write_file(folder.path() / "in.csv", signal);
-  // The probe interrupts the run once for each folder in string_in.
+  // If the folder in string_in does not exist, the probe creates it and interrupts the run. Thus only the first run is
+  // interrupted.
   const auto run = [&](const std::string& out) {
     return test::run_program({"run", "thing.fmu", "--inputs", "in.csv", "--out", out, "--checkpoint-every", "0.2",
                               "--set", "fault=interrupt", "--set", "fault_time=0.6", "--set", "string_in=once"},

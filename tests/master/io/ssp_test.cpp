@@ -329,7 +329,7 @@ TEST_F(Ssp, ValuesAreConvertedFromTheUnitOfTheirFile) {  // 6.2.1, 7.1.1
   EXPECT_NEAR(given(real("kelvin_in", "20", "C"))["kelvin_in"].get<double>(), 293.15, 1e-12);
   EXPECT_EQ(given(real("bare_in", "36", "km/h"))["bare_in"], 36.0);   // the variable has no unit
   EXPECT_EQ(given(real("furlong", "2", "furlong"))["furlong"], 2.0);  // the units are undefined but equal
-  // A linear transformation follows the conversion of units, or replaces it.
+  // A linear transformation follows the conversion of units. With suppressUnitConversion, it replaces the conversion.
   const auto entry = [](const std::string& attribute) {
     return mapping(R"(<ssm:MappingEntry source="v" target="speed_in")" + attribute +
                    R"(><ssc:LinearTransformation factor="2" offset="1"/></ssm:MappingEntry>)");
@@ -385,8 +385,8 @@ TEST_F(Ssp, MapsChangeTheValuesThatTheyName) {  // 4.5.2.2 to 4.5.2.4
 }
 
 TEST_F(Ssp, ConnectionsMapDiscreteValuesInARun) {
-  // A chain through the connector of a system: 2 becomes 4, then 5. A map may contain a value that never occurs
-  // (4.5.2.3).
+  // The outer connection maps 2 to 4, and the connection inside the system maps 4 to 5. A map may contain a value that
+  // never occurs (4.5.2.3).
   const std::string system =
       "<ssd:Elements>" +
       part(
@@ -625,7 +625,7 @@ TEST_F(Osp, ReportsUnsupportedElementsWithTheirLine) {
   EXPECT_THAT(test::input_error([&] { load_system(osp("", "")); }), HasSubstr("set it with --stop-time"));
 }
 
-/// Functions connect outputs of `a` with inputs of `b`.
+/// Tests OSP functions that compute inputs of `b` from outputs of `a`.
 TEST_F(Osp, FunctionsAreComputedAtTheCommunicationPoints) {
   const auto variable = [](const std::string& simulator, const std::string& name) {
     return fmt::format(R"(<Variable simulator="{}" name="{}"/>)", simulator, name);
@@ -666,7 +666,7 @@ TEST_F(Osp, FunctionsAreComputedAtTheCommunicationPoints) {
   EXPECT_EQ(loaded.system.connections.at(0).factor, 2);
   EXPECT_EQ(loaded.system.connections.at(0).offset, -1);
   ASSERT_EQ(run({"run", "truck", "--out", "r"}).code, 0);
-  // In each row, the output of `b` is the function of the outputs of `a` at the same point.
+  // In each row, the output of `b` must equal the function of the outputs of `a` in the same row.
   std::istringstream lines(test::read_file(folder.path() / "r/results.csv"));
   std::string line;
   std::getline(lines, line);
@@ -980,7 +980,8 @@ TEST_F(SspIndices, ValuesOfAnArrayConnectorAreThoseOfItsElements) {
   loaded = load(system(connection("- u", "a line.u"), connection("b line.y 1", "sub u 2"), values("u")));
   EXPECT_EQ(loaded.config["instances"]["sub.a"]["parameters"], nlohmann::ordered_json::parse(R"({"line.u[1]": 3})"));
   EXPECT_THAT(connections(loaded.system), testing::ElementsAre("b.line.y[1] -> sub.a.line.u[2] 1"));
-  // If the connector is connected outside, its values have no effect.
+  // If the connector of `sub` gets its value from a connection outside `sub`, the values in the file have no effect on
+  // it.
   loaded = load(system(scaled, connection("b line.y", "sub u"), values("a.line.u")));
   EXPECT_FALSE(loaded.config["instances"]["sub.a"].contains("parameters"));
   EXPECT_THAT(loaded.system.notices, testing::Contains(HasSubstr("gets its value from b.line.y (2): ")));

@@ -51,7 +51,7 @@ std::vector<std::string> warnings_of(const nlohmann::ordered_json& summary) {
 }
 
 TEST(BondEnergy, IsWhatBothHalvesTogetherGained) {
-  // Only the work of its force increases the energy of a, and only the work of its pull increases the energy of b. The
+  // The energy of a changes only by the work of the force on a, and that of b only by the work of the pull on b. The
   // sum of both increases is the energy that the coupling creates.
   constexpr double kEnergyAtStart = 5 + 5;  // in joules: 10/2 x^2 of a, and 10/2 (x - y)^2 of b
   for (const bool derivatives : {false, true}) {
@@ -130,7 +130,8 @@ TEST(InputDeviation, AnInputThatKnowsItsSourcesDerivativesIsFarOnlyInTheFirstSte
 
 TEST(InputDeviation, IsZeroOnALineBetweenTwoKnownEnds) {
   EXPECT_NEAR(deviation(ramp("{}", true, "gauss-seidel"))["largest"].get<double>(), 0, 1e-14);
-  // The held value is that of the end of the step and wrong at its start.
+  // During a step, b holds the value of a at the end of the step. This value is wrong at the start of the step, most in
+  // the last step.
   const auto input = deviation(ramp("{}", false, "gauss-seidel"));
   EXPECT_NEAR(input["largest"].get<double>(), 2 * (1 - 0.81), 1e-12);
   EXPECT_EQ(input["largest_at"], 0.9);

@@ -16,7 +16,7 @@ using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-/// Returns a config in which an output of a is an input of b. `scenario` is the content of its list.
+/// Returns a config in which outputs of a are inputs of b. `scenario` contains the entries of the list "scenario".
 std::string system_with(const std::string& scenario, const std::string& more = "") {
   return R"({"step": 0.1, "stop_time": 1, "instances": {
       "a": {"fmu": "PROBE", "parameters": {"real_in": 2, "integer_in": 4}}, "b": {"fmu": "PROBE")" +

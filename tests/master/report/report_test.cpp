@@ -83,7 +83,8 @@ TEST_F(Report, ThinsOutATableThatIsTooLongAndKeepsItsExtremesAndItsEnd) {
   EXPECT_EQ(times[2], 5);
   EXPECT_EQ(times.back(), static_cast<double>(rows - 1));
   for (std::size_t i = 0; i < times.size(); ++i) EXPECT_EQ(results.columns[1].values[i], 2 * times[i]);
-  // Rows 1001 and 1002 are in the 201st span, which has two rows with its extremes in their original order.
+  // A long table keeps the two extremes of each span in their original order. Rows 1001 and 1002 are the extremes of
+  // the 201st span.
   EXPECT_EQ(results.columns[2].values[400], 9);
   EXPECT_EQ(results.columns[2].values[401], -7);
   EXPECT_EQ(results.columns[2].values[402], 1);

@@ -114,7 +114,8 @@ TEST(State, AnFmuHearsThatItMayBeSetBackOnlyWhereThatCanHappen) {
 }
 
 TEST(State, AStateOfBeforeAStepThatWasTakenWithoutOneIsRefused) {
-  // The master has promised the FMU not to restore an earlier state. The FMU may have discarded its data.
+  // The steps promise the FMU that no earlier state will be restored. The FMU may therefore have discarded the data of
+  // these states.
   TestRun run(kSystem);
   run.initialize();
   const auto bytes = run.simulation().serialize(run.simulation().save_state());

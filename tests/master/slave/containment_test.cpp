@@ -178,8 +178,8 @@ TEST_F(Containment, AFileThatAnFmuOpensInItsStepsAndClosesAtTheEndIsItsOwn) {
 }
 
 TEST_F(Containment, ChangesOfTheProcessByAStepAreReportedAndReverted) {
-  // After step 4, each instance is checked, so that the instance is known. After step 5, the next check is in step 8,
-  // for all instances together.
+  // After step 4, each instance is checked separately, so the report names the instance. The next check is in step 8,
+  // for all instances together, so the report of a change in step 5 names only the FMU.
   for (const auto& [time, who] :
        {std::pair("0.4", "b: warning: the FMU probe.fmu changed the whole process in fmi2DoStep"),
         {"0.5", "the FMU probe.fmu changed the whole process in steps from 0.4 s to 0.8 s"}}) {

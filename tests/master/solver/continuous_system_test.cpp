@@ -105,7 +105,8 @@ TEST(ContinuousSystem, EvaluatesConnectionsInsideTheRightHandSide) {
 }
 
 TEST(ContinuousSystem, ReadsOutputsAfterTheInputsThatTheyDependOn) {
-  // A chain of gains y = 3 u in the worst order, without declared dependencies.
+  // A chain of gains y = 3 u without declared dependencies. The last instance of the chain comes first in the system,
+  // so the outputs cannot be read in this order.
   const Laws gain = {.values = 2, .outputs = [](double, Values& v) { v[1] = 3 * v[0]; }};
   PlainModel last("c", gain, {0, 0});
   PlainModel middle("b", gain, {0, 0});
@@ -331,7 +332,7 @@ TEST(ContinuousSystem, EndsWhereAMemberRequestsIt) {
   EXPECT_NEAR(reached.time_s, 0.5, 1e-12);
 }
 
-/// A pair of oscillators with directional derivatives.
+/// An oscillator that provides directional derivatives.
 class LinearModel final : public PlainModel {
  public:
   LinearModel(std::string name, Values start)

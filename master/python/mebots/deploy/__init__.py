@@ -1,23 +1,26 @@
 # SPDX-License-Identifier: Apache-2.0
-"""``mebots deploy``: a network in ONNX becomes firmware for the chip, in integers.
+"""``mebots deploy``: converts a network in ONNX to firmware for the chip, which computes with integers.
 
-    model_file  the ONNX file: checked, shapes, constants
-    importer    operators of ONNX to a graph in float (graph); functions, moving and transposed convert operators of
-                their kinds, context has what they need
-    simplify    merges nodes
-    pictures    inputs for calibration
-    calibrate   the model in onnxruntime, and the ranges of its tensors
-    arithmetic  scales, and how a sum becomes a byte
-    equalise    cross-layer equalisation
-    quantise    the network in integers; integer_nodes and integer_layers for networks of whole numbers
-    layers      its layers, and the reference of each in numpy
-    plan        memories and tiles
-    emit        the network as C; c_files has the texts of its files
-    chip        builds and runs it; checking compares it with the reference; measure has its cost by layer
-    contracts   what a flight's firmware needs of a network
-    report      network.json and the table; network_page draws it
-    deployed    options, and the network in memory
-    lowering    the steps above
-    labels, accuracy, sizes, judging   compare with float and labels, for several sizes of the input
-    deploying   the whole deployment; command is the command line
+    deploying     runs the whole deployment; ``command`` is its command line
+    lowering      converts a model to a deployed network in memory: all steps from ``model_file`` to ``plan``
+    deployed      options of a deployment, and the deployed network
+    model_file    reads and checks the ONNX file, infers shapes, computes constants
+    importer      converts ONNX nodes to a float network (``graph``), with one function per operator
+    context       data and helpers of these functions; ``functions``, ``moving`` and ``transposed`` contain some of them
+    simplify      merges nodes
+    pictures      reads inputs
+    calibrate     runs the float network in onnxruntime, and collects the ranges of its tensors
+    equalise      cross-layer equalisation
+    arithmetic    scales of bytes, and the integers that convert a sum to a byte
+    quantise      converts the float network to integers
+    integer_nodes reads networks that already have integer weights; ``integer_layers`` creates their layers
+    layers        the layers of the integer network, and their reference in NumPy
+    plan          places tensors in memory, and divides layers into steps; ``roofline`` computes lower bounds of their cycles
+    emit          writes the network as C; ``c_files`` contains the texts of the files
+    chip          builds the C code for this machine and for the chip, and runs it
+    checking      compares the C code with the reference
+    measure       measures time and energy of each layer on the chip
+    contracts     inputs and outputs that the firmware of a flight requires
+    judging       determines the accuracy, also for other input sizes; ``labels``, ``accuracy`` and ``sizes`` are its parts
+    report        writes network.json and the table on the terminal; ``network_page`` writes the page
 """

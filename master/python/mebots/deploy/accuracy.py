@@ -40,7 +40,8 @@ class Comparison:
 
 
 def comparison(deployed: Deployed, options: Options) -> Comparison:
-    """Returns the pictures of --validate, or of --data without this option. If there are labels, returns only labelled pictures."""
+    """Returns the pictures of ``options.validate``, or the pictures of the calibration without this option. If there are labels, the
+    result contains only the labelled pictures."""
     pictures = deployed.pictures
     if options.validate is not None:
         pictures = Pictures(pathlib.Path(options.validate), deployed.graph.inputs[0], options.crop, deployed.model.whole)
@@ -123,8 +124,9 @@ def _against(name: str, outputs: Outputs, labels: np.ndarray) -> dict[str, Any]:
 
 
 def _loss(before: np.ndarray, after: np.ndarray) -> dict[str, Any]:
-    """Returns the decrease of a share. Its interval combines those of the shares of pictures lost and gained, each with half of the error
-    probability. It may be too wide, but not too narrow."""
+    """Returns the decrease of the share of correct pictures from ``before`` to ``after``. Its interval combines the intervals of two
+    shares, each with half of the error probability: pictures that are correct only before, and pictures that are correct only after. It may
+    be too wide, but not too narrow."""
     lost, gained = (int((a & ~b).sum()) for a, b in ((before, after), (after, before)))
     (least_lost, most_lost), (least_gained, most_gained) = (wilson(one, len(before), _ERROR / 2) for one in (lost, gained))
     return {"share": (lost - gained) / len(before), "interval": [least_lost - most_gained, most_lost - least_gained]}

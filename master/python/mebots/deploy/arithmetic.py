@@ -46,8 +46,8 @@ class Scale:
 class Requantisation:
     """clip((sum x multiplier + addend) >> shift, low, high), per channel.
 
-    ``scaling``: "narrow" is a product of 32 bits. "wide" uses the product's upper word, with addend and shift for that
-    word. "exact" works as "wide", with ``lower`` as the addend's lower word.
+    ``scaling``: how the chip computes the product. "narrow": in 32 bits. "wide": in 64 bits, of which only the upper word is used;
+    ``addend`` and ``shift`` are for this word. "exact": like "wide", but the addend also has 64 bits, with ``lower`` as its lower word.
     """
 
     multiplier: np.ndarray
@@ -67,8 +67,8 @@ class Requantisation:
 
 
 def requantisation(factors: np.ndarray, zero: int | np.ndarray, bounds: np.ndarray) -> Requantisation:
-    """Returns the integers for one real factor per channel. ``zero`` is one for all channels, or one per channel. ``bounds`` contains
-    the largest magnitude of each channel's sums."""
+    """Returns the integers that convert sums to bytes: sum x factor + ``zero``. ``factors`` has one real factor per channel. ``zero`` is
+    one number for all channels, or one per channel. ``bounds`` contains the largest magnitude of each channel's sums."""
     factors = np.asarray(factors, dtype=np.float64)
     bounds = np.asarray(bounds, dtype=np.float64)
     if (factors < 0.25).all() and (_narrow_multipliers(factors, zero, bounds)[0] < LEAST_NARROW).any():
@@ -87,7 +87,7 @@ def _wide(factors: np.ndarray, zero: int | np.ndarray) -> Requantisation:
 
 
 def _narrow_multipliers(factors: np.ndarray, zero: int | np.ndarray, bounds: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Returns the largest multipliers whose products fit into 32 bits, with their shifts."""
+    """Returns the largest multipliers for which sums up to ``bounds`` stay within 32 bits, and their shifts."""
     most = bounds * factors + zero + 1
     shifts = np.clip(np.floor(np.log2(LARGEST_SUM / np.maximum(most, 1e-9))) - 1, 1, _MOST_SHIFT).astype(np.int64)
     return np.floor(np.ldexp(factors, shifts) + 0.5).astype(np.int64), shifts

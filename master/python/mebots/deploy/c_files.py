@@ -107,7 +107,8 @@ void network_load(uint32_t flash);
 
 
 def _l3_text(plan: Plan, weight_bytes: int) -> tuple[str, str]:
-    """Returns the definitions for weights in L3, and the members of the network."""
+    """Returns two texts of C code: the definition of the weights, with network_load() if they are in L3; and initialisers of the network's
+    struct, which refer to weights and memories."""
     if plan.stream is None:
         return "extern const uint8_t network_weights[];\n", "network_weights, network_memory, network_l1, 0, 0, {0, 0}"
     even, odd = plan.stream.buffers
@@ -140,7 +141,8 @@ def _factors(network: Network) -> str:
 
 
 def _copy(network: Network) -> str:
-    """Returns the C functions that copy outputs of bytes and outputs of sums to the result."""
+    """Returns the C functions that copy the network's outputs to the result: copy() for outputs of bytes, copy_sums() for outputs of 32-bit
+    sums. Omits a function that the network does not need."""
     text = {
         1: """static void copy(int32_t* to, const uint8_t* from, int count, int zero) {
   for (int i = 0; i < count; ++i) {

@@ -20,7 +20,8 @@ _LINE = re.compile(r"^layer (\d+) ([0-9a-f]+)$|^result (-?\d+)$")
 
 
 def check(library: pathlib.Path, scratch: pathlib.Path, deployed: Deployed, on_chip: bool, objects: pathlib.Path | None = None) -> chip.Program | None:
-    """Compares the C code with the reference, on this machine and on the chip with one core and all cores. Returns the chip's program.
+    """Compares the layers that the network's C code computes with the NumPy reference: on this machine, and on the chip with one core and
+    all cores. Returns the chip's program.
 
     ``library`` contains the network's sources. ``objects`` is a folder for object files of kernels, which later networks reuse.
     """

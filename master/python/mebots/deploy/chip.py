@@ -115,7 +115,7 @@ class Build:
         self._firmware = data_folder() / "fmu_soc/firmware"
 
     def _shared(self) -> list[pathlib.Path]:
-        """Returns the sources that all networks with weights in the same memory share."""
+        """Returns the sources of the kernels. They are the same for all networks whose weights are in the same memory, L2 or L3."""
         return [self._firmware / "kernels" / one for one in self._kernels]
 
     def _own(self) -> list[pathlib.Path]:
@@ -222,16 +222,16 @@ class Program:
     flash: pathlib.Path | None = None  # content of the flash
 
     def check(self, cores: int) -> str:
-        """Returns the program's output after all layers."""
+        """Runs all layers and returns the program's output."""
         return run_on_chip(self.elf, Request(cores, -1, self.bytes, self.picture), self.board, flash=self.flash)[0]
 
     def report(self, cores: int, layers: int, clock_hz: int = CLOCK_HZ, by_cause: bool = False) -> dict[str, Any]:
-        """Returns the chip's report after the first layers."""
+        """Runs the first ``layers`` layers and returns the chip's report."""
         return run_on_chip(self.elf, Request(cores, layers, self.bytes, self.picture, clock_hz), self.board, by_cause, self.flash)[1]
 
 
 def with_request(built: pathlib.Path, request: Request, out: pathlib.Path) -> pathlib.Path:
-    """Copies a program and stores a request in the copy."""
+    """Copies the program ``built`` to ``out``, and stores the request at the marked place in the copy."""
     content = bytearray(built.read_bytes())
     at = content.find(_MARK)
     if at < 0 or content.find(_MARK, at + 1) >= 0:

@@ -116,7 +116,7 @@ class Importer:
         return node
 
     def insert(self, node: Node) -> None:
-        """Adds a node whose output is not a tensor of the model."""
+        """Adds a node for an intermediate result, which is not a tensor of the ONNX model."""
         self._nodes.append(node)
 
     def _import(self, node: Any) -> None:
@@ -132,7 +132,8 @@ class Importer:
         try:
             self._operators[node.op_type](self)
         except (ArithmeticError, AttributeError, LookupError, MemoryError, TypeError, ValueError) as error:
-            # Attributes and constants of an invalid model may have any values.
+            # The functions of operators do not check all attributes and constants. In an invalid model, these can cause any of the errors
+            # above.
             raise self.refuse(f"its attributes and inputs do not fit each other: {error}", "Export the model again") from error
 
     def _output(self, name: str) -> Tensor:

@@ -17,7 +17,8 @@ _COLOURS = {1: "grey", 3: "rgb"}
 
 @dataclasses.dataclass(frozen=True)
 class Contract:
-    """``firmware`` names the programs whose network can be replaced. ``rows`` and ``columns`` are the limits of the input's size."""
+    """The network that a flight's firmware requires. ``firmware`` names the programs whose network can be replaced. ``rows`` and
+    ``columns`` are the least and greatest size of the input."""
 
     name: str
     firmware: tuple[str, ...]
@@ -30,14 +31,15 @@ class Contract:
 
 @dataclasses.dataclass(frozen=True)
 class Fit:
-    """A network that matches a contract. ``order`` contains the index in the network's result for each output of the contract."""
+    """How a network matches a contract. For each output of the contract, ``order`` contains the index of the value in the network's
+    result."""
 
     contract: Contract
     order: tuple[int, ...]
 
 
 def contracts() -> list[Contract]:
-    """Returns the contracts of this installation."""
+    """Reads the contracts in fmu_soc/firmware/app of this installation."""
     files = sorted((data_folder() / "fmu_soc/firmware/app").glob(f"*{_SUFFIX}"))
     return [_read(one.name.removesuffix(_SUFFIX), json.loads(one.read_text())) for one in files]
 
@@ -54,8 +56,8 @@ def _range(values: list[int]) -> tuple[int, int]:
 
 
 def fit(network: integers.Network, grey_step: float) -> Fit | str:
-    """Returns how the network matches a contract, or the reason why it matches none. ``grey_step`` is the change of the network's input per
-    grey level."""
+    """Returns the contract that the network matches and the order of its outputs, or the reason why it matches none. ``grey_step`` is the
+    change of the network's input if a pixel changes by one grey level."""
     known = contracts()
     choice = next((fitting for one in known if (fitting := _order(network, one)) is not None), None)
     if choice is None:
@@ -76,7 +78,7 @@ def _order(network: integers.Network, contract: Contract) -> Fit | None:
 
 
 def _problem(network: integers.Network, contract: Contract, grey_step: float) -> str:
-    """Returns the reason why the input does not match, or an empty text."""
+    """Returns the reason why the network's input does not match the contract, or an empty text."""
     rows, columns, channels = network.input.stored()
     has = f"{columns} x {rows} pixels, {_COLOURS.get(channels, f'{channels} channels')}"
     if _COLOURS.get(channels) != contract.colour or not (contract.rows[0] <= rows <= contract.rows[1] and contract.columns[0] <= columns <= contract.columns[1]):

@@ -61,7 +61,8 @@ def _fill(folder: pathlib.Path, deployed: Deployed, options: Options, judgement:
 
 
 def _build_pilot(folder: pathlib.Path, deployed: Deployed, options: Options) -> dict[str, Any]:
-    """If the network matches a contract, builds the flight's program. Otherwise, returns the reason."""
+    """If the network matches a contract of flight firmware (contracts.py), builds the program for a flight. Otherwise, returns the reason
+    under the key "none"."""
     if not options.measure:
         return {"none": "it was deployed with --no-measure, which builds no program for the chip"}
     if deployed.float_model is None:

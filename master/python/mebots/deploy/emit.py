@@ -56,7 +56,7 @@ class Weights:
         return len(self._bytes)
 
     def content(self) -> bytes:
-        # A copy may read one word after the end.
+        # Adds zeros, because a copy of the last weights may read one word after them.
         return bytes(self._bytes) + bytes(8)
 
 
@@ -65,7 +65,8 @@ def _words(*values: Any) -> bytes:
 
 
 def _group(layer: Layer, part: Part, group: tuple[int, int, int], sliced: bool) -> bytes:
-    """Returns a block of four output channels: header, numbers of the requantisation, weights by runs."""
+    """Returns the data of up to four output channels: a header, the numbers of the requantisation, and the weights in the order of the
+    contiguous runs of a patch."""
     first, count, source = group
     if sliced:
         source -= part.first
@@ -92,8 +93,8 @@ def _group(layer: Layer, part: Part, group: tuple[int, int, int], sliced: bool) 
 
 
 def _depthwise_weights(layer: Layer, first: int, count: int) -> np.ndarray:
-    """Returns the weights of four channels: four places of the kernel for each channel, then the next four places. In a 3 x 3 kernel, the
-    three places of a column and a zero are four places."""
+    """Returns the weights of four channels: the first four positions of the kernel for each channel, then the next four positions. In a 3 x
+    3 kernel, each column takes four positions: its three weights and a zero."""
     if planning.is_depthwise_3x3(layer):
         columns = np.zeros((4, 3, 4), dtype=np.int8)
         columns[:count, :, :3] = layer.weight[first : first + count].reshape(count, 3, 3).transpose(0, 2, 1)
@@ -121,7 +122,8 @@ def _data(layer: Layer, part: Part, sliced: bool = False) -> bytes:
 
 
 def _block_table(layer: Layer, steps: Steps | None, weights: Weights, sources: dict[Tensor, int]) -> tuple[int, int]:
-    """Adds the data and blocks of a layer. Returns the offset of its table and the number of blocks."""
+    """Adds the data of all parts of a layer to ``weights``, and a table of their offsets. Returns the offset of this table and its number
+    of rows."""
     rows = []
     if layer.kind == "move":
         for number in range(len(layer.moves)):
@@ -195,7 +197,7 @@ def _side_fields(layer: Layer) -> dict[str, int]:
 
 
 def _own_fields(layer: Layer) -> dict[str, Any]:
-    """Returns the table fields that only this kind of layer has."""
+    """Returns the fields in the layer's row of network.c that only this kind of layer has."""
     if layer.kind == "convolution":
         return _run_fields(layer) | _gather_fields(layer) | {"gathered_stride": planning.core_bytes(layer)}
     if layer.kind == "average_pool":
@@ -223,7 +225,8 @@ def _run_fields(layer: Layer) -> dict[str, int]:
     length = planning.align(run)
     channels = layer.inputs[0].channels
     pitch = planning.columns_in_l1(layer) * channels
-    # The distances from the end of a run to the start of the next run. At the end of a row, the row's step is added.
+    # step_x leads from the end of a run to the start of the next run in the same row of the patch. After the last run of a row, step_y is
+    # added to it.
     if runs_y * runs_x == 1:
         return {"runs_y": 1, "runs_x": 1, "run_words": length // 4, "group_bytes": planning.group_bytes(layer)}
     step_x = layer.dilations[1] * channels - length if runs_x > 1 else 0
@@ -267,7 +270,8 @@ class Sources:
 
 
 def emit(network: Network, plan: Plan, in_l3: bool = False) -> Sources:
-    """Returns the files of the library by name. If ``in_l3`` is true, the weights are in HyperRAM, and the plan stores their addresses."""
+    """Returns the content of the library's files by file name. If ``in_l3`` is true, the weights are in HyperRAM, and ``plan.stream``
+    stores their addresses."""
     offsets = {**plan.offsets, network.input: _PICTURE}
     weights = Weights()
     rows, segments = [], []

@@ -61,8 +61,8 @@ def _pairs(graph: Graph) -> Iterator[_Pair]:
 
 
 def _collect(graph: Graph, tensor: Tensor, pair: _Pair) -> bool:
-    """Adds a tensor and the layers that read it to a pair, and continues after each Relu or pool. Returns False if a tensor is an output of
-    the graph, or if another node reads it."""
+    """Adds ``tensor`` and the convolutions and dense layers that read it to ``pair``. If a Relu or pool reads it, continues with that
+    node's output. Returns False if a tensor is an output of the graph, or if any other node reads it."""
     pair.between.append(tensor)
     if any(one is tensor for one in graph.outputs):
         return False
@@ -80,7 +80,8 @@ def _is_homogeneous(node: Node) -> bool:
 
 
 def _columns(node: Node) -> np.ndarray | None:
-    """Returns a view of the weights with the dimensions [input channel, weights]. Returns None for groups of several channels."""
+    """Returns a view of the weights whose first index is the input channel. Returns None if the convolution has groups of several
+    channels."""
     channels = node.inputs[0].channels
     if node.groups == 1:
         return np.moveaxis(node.weight, 1, 0)

@@ -207,8 +207,8 @@ def _limits(owner: Importer) -> None:
 
 
 def _real_limits(owner: Importer, low: float, high: float) -> tuple[float, float]:
-    """Converts the limits of a Clip between QuantizeLinear and DequantizeLinear, where they are integers (QCDQ of Brevitas), to real
-    numbers. The output keeps the scale."""
+    """Returns the limits of a Clip as real numbers. Between QuantizeLinear and DequantizeLinear (QCDQ of Brevitas), the limits in the model
+    are integers; the output of the Clip then gets the scale of its input."""
     source, output = owner.node.input[0], owner.node.output[0]
     if source not in owner.model.quantised:
         return low, high

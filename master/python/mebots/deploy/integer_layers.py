@@ -126,7 +126,8 @@ class IntegerLayers:
         return self.layer("convolution", node, op, output, requantise=scaling, low=low, high=high, pool=pool, **fields)
 
     def _pooled(self, output: Tensor, op: str) -> tuple[Tensor, str, int]:
-        """Merges a maximum pool whose windows do not overlap."""
+        """If only a maximum pool reads ``output``, and its windows are squares of at most 4 x 4 without pads that do not overlap, merges it
+        into the layer that computes ``output``. Returns the layer's output, its operators, and the size of the pool (1 without a pool)."""
         users = self._graph.users(output)
         if len(users) != 1 or users[0].kind != "max_pool" or not self._graph.has_one_user(output):
             return output, op, 1
@@ -177,7 +178,7 @@ class IntegerLayers:
         return self.layer("move", node, node.op, node.output, moves=[(one, None) for one in node.moves], fill=fill)
 
     def _fill(self, node: Node, value: float, zero: int) -> int:
-        """Returns the byte with which the node fills places."""
+        """Returns the byte for ``value``, with which the node fills positions without input, such as pads."""
         byte = int(value) + zero if math.isfinite(value) else -1
         if byte - zero != value or not 0 <= byte <= 255:
             raise self._refuse(node, f"it fills with {value:g}; whole numbers from {-zero} to {255 - zero} are possible", "Pad with one of these")
@@ -185,7 +186,7 @@ class IntegerLayers:
 
 
 def _outputs_of_sums(graph: Graph) -> None:
-    """Replaces outputs that select sums of a dense layer by the layer's whole output."""
+    """If an output of the network only selects or moves the sums of a dense layer, replaces it by the whole output of this layer."""
     outputs: list[Tensor] = []
     for one in graph.outputs:
         node = graph.producer(one)

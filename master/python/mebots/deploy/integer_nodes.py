@@ -99,7 +99,8 @@ def is_integer(model: Model) -> bool:
 
 
 def collapse(model: Model) -> None:
-    """Replaces each chain that requantises by one node. Stores its numbers in ``model.requantising`` by the name of the node's output."""
+    """Replaces each chain of nodes that requantises a sum by one node. Stores the numbers of the requantisation in ``model.requantising``
+    by the name of the node's output."""
     users: dict[str, list[Any]] = {}
     for node in model.nodes:
         for name in node.input:

@@ -81,9 +81,8 @@ def measure(program: chip.Program) -> Measurement:
 
 
 def measure_settings(program: chip.Program, usual: tuple[dict, Cost] | None = None) -> list[Setting]:
-    """Measures an inference for each clock and number of cores. ``usual`` contains the report without layers and the cost with all cores at
-    the highest clock, if known.
-    """
+    """Measures an inference for each clock and number of cores. ``usual`` contains results for all cores at the highest clock, if known:
+    the report of a run without layers, and the cost of the inference."""
     most = program.board.cores
     settings = []
     for clock in (*CLOCKS_HZ, chip.CLOCK_HZ):

@@ -51,7 +51,8 @@ def _address(array: np.ndarray) -> int:
 
 
 def move(number: int, source: np.ndarray, source_view: np.ndarray, out: np.ndarray, out_view: np.ndarray) -> Move:
-    """Returns the copy of a view of bytes to another view of the same shape."""
+    """Returns the Move that copies ``source_view``, a view of ``source``, to ``out_view``, a view of ``out`` with the same shape.
+    ``number`` is the number of the input."""
     kept = [i for i in range(source_view.ndim) if source_view.shape[i] > 1]
     counts, steps, out_steps = [], [], []
     for i in kept:
@@ -73,7 +74,7 @@ def move(number: int, source: np.ndarray, source_view: np.ndarray, out: np.ndarr
 
 
 def _join(counts: list[int], steps: list[int], out_steps: list[int]) -> None:
-    """Merges adjacent dimensions that are contiguous in both views."""
+    """Merges two adjacent dimensions that are contiguous in the source and in the output, so that the copy needs fewer loops."""
     i = 0
     while i + 1 < len(counts):
         if steps[i] == counts[i + 1] * steps[i + 1] and out_steps[i] == counts[i + 1] * out_steps[i + 1]:
@@ -107,7 +108,7 @@ def _reshape(owner: Importer) -> None:
         raise owner.refuse(f"its output has shape {list(shape)}", "At most four dimensions are possible")
     ones = [t for t in (source, target) if len(t.shape) == 1 or t.rows * t.columns == 1 or t.channels == 1]
     if len(ones) == 2 or source.shape == target.shape:
-        # The operator keeps the order of values in memory.
+        # The values stay in the same order in memory, so the node copies nothing.
         node = owner.add("move", [source])
         node.moves = []
         return
@@ -243,7 +244,7 @@ def _resize(owner: Importer) -> None:
 
 
 def _check_resize(owner: Importer, source: Tensor, factors: list[int]) -> None:
-    """Rejects options that do not repeat each value ``factor`` times."""
+    """Rejects attributes of Resize that do not repeat each value as often as ``factors`` require."""
     if owner.node.op_type == "Upsample":
         return
     where = owner.attribute("coordinate_transformation_mode", b"half_pixel").decode()

@@ -31,7 +31,8 @@ class Pictures:
     in the order rows, columns, channels."""
 
     def __init__(self, path: pathlib.Path, tensor: Tensor, crop: Crop | None, whole: Tensor | None = None) -> None:
-        """Finds the inputs. If ``whole`` is given, inputs have its size and are reduced to the size of ``tensor``."""
+        """Reads the file of vectors, or lists the pictures. If ``whole`` is given, the files contain inputs of its size, which are then
+        reduced to the size of ``tensor``."""
         self.path = path
         self._tensor = tensor
         self._whole = whole or tensor
@@ -82,7 +83,7 @@ class Pictures:
         return "files as in the folder of pictures" if self.vectors is None else f"vectors by numbers from 0 to {len(self) - 1}"
 
     def one(self, number: int, scale: Scale) -> np.ndarray:
-        """Returns input ``number`` in the order rows, columns, channels."""
+        """Returns the bytes of the input with this number, in the order rows, columns, channels."""
         if self.vectors is None:
             values = self._read(self.files[number])
         else:

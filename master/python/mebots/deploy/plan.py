@@ -74,7 +74,8 @@ class Stream:
 
     @property
     def buffers(self) -> tuple[int, int]:
-        """Returns the sizes of the buffers for layers with even and odd numbers [bytes]."""
+        """Returns the sizes [bytes] of the two buffers for fetched weights: one for the layers with even numbers, one for those with odd
+        numbers."""
         even, odd = (max((size for _, size in self.segments[start::2]), default=0) for start in (0, 1))
         return align(even + SLACK), align(odd + SLACK)
 
@@ -211,13 +212,13 @@ def _strip_cycles(layer: Layer, passes: int, groups: int, strip: int) -> float:
 
 
 def has_outer_rows(layer: Layer) -> bool:
-    """True if the input in L1 includes rows outside the input. Otherwise, the kernel provides their values."""
+    """True if the input in L1 includes the rows of the padding. Otherwise, the kernel provides the padding's values."""
     return not is_depthwise_3x3(layer)
 
 
 def has_outer_columns(layer: Layer) -> bool:
-    """True if the input in L1 includes columns outside the input. Otherwise, the kernel provides their values, and rows need no separate
-    copies."""
+    """True if the input in L1 includes the columns of the padding, for which each row is copied separately. Otherwise, the kernel provides
+    the padding's values."""
     if is_depthwise_3x3(layer):
         return False
     most = max(layer.pads[1], layer.pads[3]) * layer.inputs[0].channels
@@ -229,7 +230,7 @@ def columns_in_l1(layer: Layer) -> int:
 
 
 def fours(layer: Layer) -> int:
-    """Returns the number of groups of four places in a depthwise kernel."""
+    """Returns the number of groups of four positions in the kernel of a depthwise convolution."""
     return math.ceil(math.prod(layer.kernel) / 4)
 
 
@@ -250,9 +251,8 @@ def core_bytes(layer: Layer) -> int:
 
 
 def gathers(layer: Layer) -> bool:
-    """True if patches are copied before use. This is faster if their contiguous runs are short and many channels share the copy, or if a
-    patch row has several runs.
-    """
+    """True if the cores copy each patch (the input values under the kernel) to a buffer before they multiply. This is faster if the
+    contiguous runs of a patch are short and many output channels share the copy, or if a row of the patch has several runs."""
     if not is_in_blocks(layer):
         return False
     rows, columns, run = _patch_runs(layer)
@@ -271,7 +271,7 @@ _CYCLES_PER_DENSE_WORD = 9  # of the inner loop for one place and four channels
 
 
 def is_in_blocks(layer: Layer) -> bool:
-    """True if a kernel computes four places and four channels at a time."""
+    """True if the layer's kernel computes four output positions and four output channels at a time."""
     return layer.kind == "convolution" and layer.groups == 1
 
 
@@ -296,18 +296,19 @@ def patch_bytes(layer: Layer) -> int:
 
 
 def run_geometry(layer: Layer) -> tuple[int, int, int]:
-    """Returns the number of contiguous runs of a patch by rows and columns, and the bytes of each run."""
+    """Returns how many rows of contiguous runs a patch has, how many runs each row has, and the bytes of each run. A copied patch is one
+    run."""
     return (1, 1, patch_bytes(layer)) if gathers(layer) else _patch_runs(layer)
 
 
 def patch_copy_bytes(layer: Layer) -> int:
-    """Returns the bytes of a copied patch. The last run is copied by eight bytes."""
+    """Returns the size of a copied patch in bytes. Its last run is copied in units of eight bytes."""
     last = _patch_runs(layer)[2]
     return align(patch_bytes(layer) + -last % 8)
 
 
 def gather_geometry(layer: Layer) -> tuple[int, int, int]:
-    """Returns the geometry of a patch before it is copied, as run_geometry() does."""
+    """Returns the same numbers as run_geometry(), but for a patch in the input, before it is copied."""
     return _patch_runs(layer)
 
 
@@ -357,7 +358,7 @@ def _counts(layer: Layer) -> list[int]:
 
 
 def data_bytes(layer: Layer, part: Part) -> int:
-    """Returns the size in bytes of weights or tables for a step."""
+    """Returns the size in bytes of the weights or tables for one part of the output channels."""
     if layer.kind == "convolution":
         return len(part.groups) * group_bytes(layer)
     if layer.kind == "average_pool":
@@ -374,7 +375,7 @@ def _is_tiled(layer: Layer) -> bool:
 
 
 def _first_bytes(layer: Layer, parts: list[Part]) -> int:
-    """Returns the bytes of L1 for the data of a part."""
+    """Returns the bytes of L1 that the weights or tables of the largest part need."""
     data = max(data_bytes(layer, one) for one in parts)
     return align(data + SLACK) if data else 0
 
@@ -385,7 +386,8 @@ def _least_bytes(layer: Layer) -> int:
 
 
 def _steps(layer: Layer, available: int, board: str, spare: int, following: int) -> Steps | None:
-    """Returns the division that is estimated to take the fewest cycles.
+    """Returns the division of the layer into steps that is estimated to take the fewest cycles. Returns None if this kind of layer is not
+    divided.
 
     ``spare``: bytes of L1 that can be free during the previous layer. ``following``: bytes of the next layer's first data.
     """
@@ -411,7 +413,7 @@ def _steps(layer: Layer, available: int, board: str, spare: int, following: int)
 
 
 def _row_choices(layer: Layer, parts: list[Part], available: int) -> list[int]:
-    """Returns possible numbers of rows of a tile: the largest that fits, and smaller numbers with a few more tiles."""
+    """Returns the numbers of rows per tile to try: those with the fewest tiles that fit into L1, and with up to seven more tiles."""
     out_rows = flat_rows(layer) if layer.kind in FLAT_KINDS else layer.output.rows
     low, high = 0, out_rows
     while low < high:
@@ -472,7 +474,8 @@ def _layout(layer: Layer, parts: list[Part], rows: int, is_data_last: bool = Fal
 
 
 def _by_tile(layer: Layer, parts: list[Part], tiles: int, sliced: bool) -> bool:
-    """True if fetching the weights for each tile moves fewer bytes than fetching the input for each part."""
+    """True if fetching all weights for each tile moves fewer bytes than fetching the whole input for each part. A tile is a number of rows
+    of the output, and a part is a number of its channels. A layer with several of both must fetch one of them repeatedly."""
     if sliced or len(parts) == 1 or tiles == 1:
         return False
     weights = sum(data_bytes(layer, one) for one in parts)
@@ -503,12 +506,13 @@ def traffic(layer: Layer, steps: Steps) -> Traffic:
 
 
 def early_bytes(layer: Layer, steps: Steps) -> int:
-    """Returns the bytes that the DMA fetches during the previous layer."""
+    """Returns the bytes of this layer's weights or tables that the DMA fetches during the previous layer."""
     return data_bytes(layer, steps.parts[0]) if steps.early else 0
 
 
 def estimate(layer: Layer, steps: Steps, is_early: bool, following: int) -> float:
-    """Returns the cycles of a layer: the maximum of the cores' and the DMA's cycles, plus the cycles in which only one of them works.
+    """Returns the estimated cycles of a layer: those of the cores or those of the DMA, whichever are more, plus those in which only one of
+    them works.
 
     ``is_early``: the first data are fetched during the previous layer. ``following``: bytes of the next layer that are
     fetched during the last step.
@@ -537,7 +541,8 @@ def _block_cycles(layer: Layer) -> int:
 
 
 def _step_cycles(layer: Layer, steps: Steps, part: Part) -> float:
-    """Returns the cores' cycles for a part of a tile, including waits for other cores."""
+    """Returns the estimated cycles in which the cores compute one part of the output channels in one tile, including waits for other
+    cores."""
     if layer.kind in FLAT_KINDS:
         return steps.tile_rows * 12 / CORES
     rows, columns = steps.tile_rows * layer.pool, layer.output.columns * layer.pool

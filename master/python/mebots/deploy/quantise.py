@@ -118,8 +118,8 @@ class Quantiser:
         )
 
     def _scales_by_channel(self, node: Node) -> list[Scale] | None:
-        """Returns one scale per channel of a dense layer's output if every user selects some of its channels: the scale of that user's
-        output. Otherwise, returns None."""
+        """If each user of a dense layer's output selects some of its channels, returns one scale per channel: that of the output of the
+        user that selects the channel. Otherwise, or if two users need different scales for a channel, returns None."""
         users = self._graph.users(node.output)
         is_output = any(one is node.output for one in self._graph.outputs)
         if len(node.output.shape) > 1 or node.is_limited() or is_output or not users or node.output.name in self._given:
@@ -161,7 +161,7 @@ class Quantiser:
         scale = self._out_scale(node)
         sources = [self._scale(one) for one in node.inputs]
         ratios = [one.step / scale.step for one in sources]
-        # The sum of 255 times both factors, the zeros and half a unit must fit into 31 bits.
+        # The sum of three terms must fit into 31 bits: 255 times both factors, the output's zero point, and one half for rounding.
         shift = int(np.clip(np.floor(np.log2((1 << 30) / (255 * 2 * sum(ratios) + 2 * scale.zero + 1))), 0, _ADD_SHIFT))
         factors = [int(np.floor(one * 2.0**shift + 0.5)) for one in ratios]
         addend = (scale.zero << shift) + ((1 << shift) >> 1) - sum(f * one.zero for f, one in zip(factors, sources, strict=True))

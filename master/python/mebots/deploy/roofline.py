@@ -27,10 +27,11 @@ _CONVERSION = {"narrow": 3.75, "wide": 7.75, "exact": 11.75}
 
 
 def loads_per_dot(channels: int, places: int, words: int) -> float:
-    """Returns the minimum number of loads per dot product of a loop.
+    """Returns the minimum number of loads per dot product in the inner loop of a convolution.
 
-    The loop computes ``a`` channels at ``b`` places. If registers keep a x b sums, a x b dot products need a + b loads. Registers may also
-    keep the patches of b places (one load per b dot products), or the weights of a channels (one load per a dot products).
+    The loop computes ``a`` output channels at ``b`` output positions. If registers keep a x b sums, a x b dot products need a + b loads.
+    Registers may also keep the patches of b positions (one load per b dot products), or the weights of a channels (one load per a dot
+    products).
     """
     most_a, most_b = min(channels, REGISTERS), min(places, REGISTERS)
     blocks = [(a, b) for a in range(1, most_a + 1) for b in range(1, most_b + 1) if a * b + a + b <= REGISTERS]
@@ -40,12 +41,13 @@ def loads_per_dot(channels: int, places: int, words: int) -> float:
 
 
 def peak(cores: int) -> float:
-    """Returns the products per cycle of the loop for four channels at four places: 16 dot products and 8 loads."""
+    """Returns the products per cycle of the convolution's loop over four channels and four output positions: 16 dot products and 8
+    loads."""
     return cores * DOT / (1 + loads_per_dot(4, 4, REGISTERS))
 
 
 def compute_cycles(layer: Layer) -> float:
-    """Returns a lower bound of the cycles that one core takes for a layer with products."""
+    """Returns a lower bound of the cycles that one core takes for a layer with weights."""
     assert layer.weight.size > 0
     values = layer.output.size * layer.pool**2
     places = values // layer.output.channels

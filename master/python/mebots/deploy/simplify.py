@@ -81,8 +81,8 @@ def _join_scales(graph: Graph) -> bool:
 
 
 def _join_addends(graph: Graph) -> bool:
-    """Merges integers that are added to the sums of a convolution or dense layer into its bias. PLiNIO ends networks with such an
-    addition."""
+    """If integers are added to the sums of a convolution or dense layer, adds them to the layer's bias and removes the node. PLiNIO ends
+    networks with such an addition."""
     for first, second in _pairs(graph):
         if first.kind != "conv" or not _is_affine(second):
             continue
@@ -136,7 +136,8 @@ def _join_flatten(graph: Graph) -> bool:
 
 
 def _swap_limits(graph: Graph) -> bool:
-    """Moves limits from after a maximum to before it, where a convolution can include them. The result stays the same."""
+    """If a limit, such as Relu, follows a maximum pool, moves it before the pool, where a convolution can include it. The result stays the
+    same."""
     for first, second in _pairs(graph):
         source = first.inputs[0]
         before = graph.producer(source)

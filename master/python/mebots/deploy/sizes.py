@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Chooses further input sizes with which a model is deployed."""
+"""Chooses input sizes other than the model's own, for which the deployment also determines accuracy and cost."""
 
 from __future__ import annotations
 

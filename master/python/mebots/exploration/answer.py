@@ -49,7 +49,7 @@ class Answer:
         return "\n".join(self.lines())
 
     def lines(self, width: int | None = None) -> list[str]:
-        """Returns the lines of the text. The table is at most ``width`` wide, unless two objectives need more."""
+        """Returns the lines of the text. The table shows as many objectives as fit into ``width``, but at least two."""
         hidden = len(self.rows) - _MOST_ROWS
         more = [f"... and {hidden} more in designs.csv"] if hidden > 0 else []
         table = table_lines(self.titles, self.rows[:_MOST_ROWS], width)
@@ -57,7 +57,8 @@ class Answer:
 
 
 def table_lines(titles: Sequence[str], rows: Sequence[Row], width: int | None = None) -> list[str]:
-    """Returns an aligned table with a header. Lists objectives that exceed ``width`` below the table."""
+    """Returns an aligned table with a header. If the table is wider than ``width``, omits its last objectives and names them in a line
+    below the table."""
     for shown in range(len(titles), 1, -1):
         lines = _aligned(titles[:shown], [dataclasses.replace(row, cells=row.cells[:shown]) for row in rows])
         if width is None or max(map(len, lines)) <= width:
@@ -81,7 +82,8 @@ def _aligned(titles: Sequence[str], rows: Sequence[Row]) -> list[str]:
 
 
 class Judge:
-    """Ranks designs by the first objective that is minimised or maximised. If no objective is, ranks them by the first share."""
+    """Ranks designs by the first objective that is minimised or maximised. Without such an objective, ranks them by the first objective
+    that is a share."""
 
     def __init__(self, evidence: Evidence, units: Units, names: Sequence[str], status: Sequence[str]) -> None:
         self._evidence = evidence
@@ -145,14 +147,15 @@ class Judge:
         return 0, -(share_found or 0.0), *order
 
     def _order(self, first: Objective, found: Sequence[Estimate]) -> list[float]:
-        """Returns sorting keys of a design, smaller for better designs: its value of the objective ``first``, then its values of all other
-        objectives with a sense."""
+        """Returns the sorting key of a design, smaller for better designs: its value of the objective ``first``, then its values of all
+        other objectives that are minimised or maximised."""
         wanted = [first, *(one for one in self._senses if one is not first)]
         means = [(self._sign(one), found[self._evidence.index[one.label]].mean) for one in wanted]
         return [math.inf if mean is None else -sign * mean for sign, mean in means]
 
     def _condition(self, objective: Objective) -> Objective | None:
-        """Returns the share of successes that an objective needs. Values that exist only for successes mean nothing without this share."""
+        """Returns the objective that ``objective.where`` names: ``objective`` has values only for missions that are successes of it.
+        Returns None without ``where``, or if a constraint already limits the named objective."""
         if objective.where is None or any(one.label == objective.where for one in self._study.constraints):
             return None
         return self._study.objective(objective.where)
@@ -232,7 +235,7 @@ class Judge:
         return f" among {counted(len(group), 'design')} with {' and '.join(parts)}" if parts else ""
 
     def _share_of(self, designs: Sequence[int], objective: Objective) -> str:
-        """Returns a sentence with the lower bound of the designs' share of successes, or "" if the bound is below 1 %."""
+        """Returns a sentence with the lowest of the designs' lower bounds of the share of successes. Returns "" if it is below 1 %."""
         if self._share is None or objective.is_share:
             return ""
         low = min(self._evidence.shown(design, self._share).interval[0] for design in designs)
@@ -256,7 +259,7 @@ class Judge:
             return "not separated from the best"
         return self._ended(design) or ("worse" if self._evidence.surely_better(best, design, self._main.label) else "")
 
-    # Pareto front, and missions that would separate designs.
+    # Lines about the Pareto front, and about the missions that would separate designs.
 
     def _front_lines(self, places: Sequence[str]) -> list[str]:
         if len(self._senses) < 2:
@@ -306,7 +309,7 @@ class Judge:
         if not open_ones:
             return []
         side = f"{constraint.label} {'above' if constraint.above else 'below'} {constraint.bound:g}"
-        # Designs with the same successes need the same number of missions.
+        # Designs with the same successes need the same number of missions, which is computed once.
         distinct = {(self._evidence.shown(one, objective).mean, self._evidence.counts[one]): one for one in open_ones}
         counts = [missions_to_decide(self._evidence, one, constraint) for one in distinct.values()] if objective.is_share else []
         known = [count for count in counts if count is not None]
@@ -359,8 +362,8 @@ def missions_to_decide(evidence: Evidence, design: int, constraint: Constraint) 
 
 
 def _more_missions(count: int, is_sure: Callable[[float], bool]) -> int | None:
-    """Returns the number of missions to add to ``count`` until ``is_sure(factor)`` is true, rounded up to two digits. ``factor`` is the new
-    number relative to ``count``. Returns None above ``_MOST_MISSIONS``."""
+    """Returns how many missions must be added to ``count`` until ``is_sure(factor)`` is true, rounded up to two digits. ``factor`` is the
+    new number of missions divided by ``count``. Returns None if the new number would exceed ``_MOST_MISSIONS``."""
     factor = 1.0
     while not is_sure(factor):
         factor *= 1.1

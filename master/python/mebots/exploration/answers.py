@@ -55,7 +55,8 @@ def exact_share(successes: int, count: int, error: float) -> Interval:
 
 
 def share_evidence(successes: int, count: int, share: float) -> float:
-    """Returns the logarithm of the evidence against a share: the likelihood ratio of the mixture."""
+    """Returns the logarithm of the evidence against the hypothesis that the true share is ``share``: the likelihood of the beta-binomial
+    mixture divided by that of ``share``."""
     failures = count - successes
     mixture = math.lgamma(1 + successes) + math.lgamma(1 + failures) - math.lgamma(2 + count)
     return mixture - _times_log(successes, share) - _times_log(failures, 1 - share)
@@ -129,7 +130,7 @@ def mean_sequence(moments: Moments, error: float) -> Interval:
     if n < 2:
         return -math.inf, math.inf
     spread = 1 + n * _EFFECT
-    # The ratio is 1/error where (1 + x) = k (1 + x/spread).
+    # With x = t^2/(n - 1), the likelihood ratio at the top of this file is 1/error if (1 + x) = k (1 + x/spread).
     log_k = (math.log(spread) - 2 * math.log(error)) / n
     if log_k >= math.log(spread):
         return -math.inf, math.inf
@@ -145,8 +146,8 @@ def percentile_of(ordered: Sequence[float], percentile: float) -> float:
 
 
 def percentile_interval(ordered: Sequence[float], percentile: float, error: float) -> Interval:
-    """Returns the interval of a percentile at the level 1 - error, for a count that was chosen beforehand. By the binomial distribution,
-    each end is wrong with a probability of at most half of ``error``."""
+    """Returns the interval of a percentile at the level 1 - error. The number of values must have been chosen beforehand. By the binomial
+    distribution, each end is wrong with a probability of at most half of ``error``."""
     count, share = len(ordered), percentile / 100
     below, chance = 0, _binomial(0, count, share)
     while chance <= error / 2 and below < count:
@@ -168,7 +169,8 @@ def percentile_sequence(ordered: Sequence[float], percentile: float, error: floa
 
 
 def _between_ranks(ordered: Sequence[float], fewest: int, most: int) -> Interval:
-    """Returns the interval of the percentile if between ``fewest`` and ``most`` values are at or below it."""
+    """Returns the interval of the percentile if between ``fewest`` and ``most`` of the ordered values are at or below the true
+    percentile."""
     low = ordered[fewest - 1] if fewest > 0 else -math.inf
     return low, ordered[most] if most < len(ordered) else math.inf
 

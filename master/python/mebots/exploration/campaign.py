@@ -88,7 +88,7 @@ class Campaign:
         self._live_page: LivePage | None = None
         self._flown_ahead: set[str] = set()  # missions of future rounds
 
-    # Missions of the study.
+    # All missions of the study, and examples of them.
 
     @property
     def most_missions(self) -> int:
@@ -99,11 +99,11 @@ class Campaign:
         return designs * self.study.replicates
 
     def all_flights(self) -> Flights:
-        """Returns all missions of a study without decisions between rounds."""
+        """Returns all missions of a study whose number of missions is fixed beforehand."""
         return Flights(range(len(self.space.designs)), 0, self.study.replicates)
 
     def example(self) -> Values:
-        """Returns the values of an example mission."""
+        """Returns the factors and draws of one mission of the study, as an example."""
         return next(self._trials())[1]
 
     def _check_names(self) -> None:
@@ -128,7 +128,7 @@ class Campaign:
                         "unknown_name",
                     )
 
-    # Before the first mission.
+    # Checks before the first mission.
 
     def check(self, journal: Journal | None = None) -> None:
         """Initialises missions to the start time, so that every factor value and both extremes of each draw occur. Raises InputError with
@@ -166,7 +166,8 @@ class Campaign:
             raise InputError("\n".join(told), "invalid_value")
 
     def _blamed(self, about: str, error: str, values: Values) -> str:
-        """Returns the factor, draw or objective that names an error's variable, or ""."""
+        """Returns the factor or draw that sets ``about`` or that the error names, or the objective that reads ``about``, as text.
+        Otherwise, returns ""."""
         for name, value in values.items():
             settings = self.space.missions.settings(name, value)
             if about in settings or any(key.startswith("/") and f" {key}: " in error for key in settings):
@@ -326,7 +327,8 @@ class Campaign:
         self.failed = results.settle(self.study.most_failures)
 
     def _note_others(self, results: Results, reply: Reply, places: np.ndarray, repeated: dict[bytes, list[int]]) -> None:
-        """Records missions that occur more than once in the round, and early results of later rounds."""
+        """Records results that are not the first of a mission in this round: missions that occur in it more than once, and missions of
+        later rounds."""
         if not repeated and -1 not in reply.indices:
             return
         records: list[Record] = []
@@ -342,8 +344,8 @@ class Campaign:
     def _unknown(
         self, flights: Flights, journal: Journal, others: list[Journal], results: Results | None, repeated: dict[bytes, list[int]]
     ) -> Iterator[tuple[Sequence[int], Orders]]:
-        """Yields the missions that are in no journal and not in progress, with their numbers in the round. Takes results from journals, and
-        records the numbers of missions in progress in ``repeated``."""
+        """Yields the missions that are in no journal and not in progress, with their indices in the round. Stores results from journals in
+        ``results`` unless it is None. If a mission is in progress or occurs more than once, stores its further indices in ``repeated``."""
         for first, orders in self.space.orders(flights, _CHUNK):
             digests = orders.digests
             may_be_known = journal.may_have(digests)
@@ -369,7 +371,8 @@ class Campaign:
                 yield [first + at for at in fresh] if results is not None else [-1] * len(fresh), orders.only(fresh)
 
     def _fill(self, queue: Iterator[tuple[Sequence[int], Orders]], ahead: Iterator[tuple[Sequence[int], Orders]], most: int) -> None:
-        """Passes orders to the executor until all workers have enough, first those of the round."""
+        """Passes orders to the executor until it has enough for all workers. Passes orders of later rounds only after all orders of this
+        round."""
         while not self._dispatcher.is_full:
             found = next(queue, None)
             if found is not None:
@@ -385,7 +388,8 @@ class Campaign:
     def _bring(
         self, journal: Journal, others: list[Journal], on_progress: Callable[[Progress], None], orders: list[Order], later: int
     ) -> Journal:
-        """Adds these missions to the journal. ``later`` is the maximum number of missions that follow."""
+        """Adds the missions to the journal, and runs those that no journal contains. ``later`` is the maximum number of missions that
+        follow these."""
         missing = {order["mission"]: order for order in orders if not self._is_known(order, journal, others)}
         queue = iter(missing.values())
         left = len(missing)
@@ -417,7 +421,7 @@ class Campaign:
         return "; ".join(filter(None, (ended, self._ahead)))
 
     def _who_is_ahead(self, evidence: Evidence) -> str:
-        """Returns the designs that no other design dominates so far, as text. Noise may be the reason for this order."""
+        """Returns the designs that no other design dominates by their means so far, as text. The differences may be due to chance."""
         if not evidence.has_front or len(self.space.designs) > _MOST_COMPARED:
             return ""
         ahead = evidence.leaders([design for design in range(len(self.space.designs)) if evidence.feasible(design) is not False])
@@ -426,7 +430,7 @@ class Campaign:
         return f"ahead so far: designs {shown}{more}" if ahead else ""
 
     def _is_known(self, order: Order, journal: Journal, others: list[Journal]) -> bool:
-        """True if a journal contains the mission. Counts the mission as reused unless this call ran it."""
+        """True if a journal contains the mission. Counts the mission as reused unless this run of the study has executed it."""
         found = self._known(order, journal, others)
         if found is not None:
             self._count_taken(*found)
@@ -517,8 +521,8 @@ class Campaign:
 
 
 def _labels(flat_summary: dict[str, Any]) -> list[str]:
-    """Returns the labels of a summary. In a label with conditions, "variable" and "when" are not labels. A list is a group: its label has
-    statistics and members."""
+    """Returns the labels of a flattened summary. The object {"variable": ..., "when": ...} is the value of one label. The members of a list
+    form a group with the labels of its statistics and of each member."""
     result = []
     for label, value in flat_summary.items():
         before, _, last = label.rpartition(".")

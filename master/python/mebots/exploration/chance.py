@@ -70,7 +70,8 @@ def value(spread: dict[str, Any] | list[Any], u: float) -> Any:
 
 
 def extremes(spread: dict[str, Any] | list[Any]) -> list[Any]:
-    """Returns values that represent a distribution in the check of a study."""
+    """Returns values at which the check of a study tries a distribution: its ends, all its options, or the mean of a normal
+    distribution."""
     if isinstance(spread, list):
         return list(spread)
     ((kind, arguments),) = spread.items()

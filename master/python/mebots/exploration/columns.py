@@ -24,7 +24,7 @@ MOST_ROWS = 250_000
 
 
 def write(folder: pathlib.Path) -> None:
-    """Writes the tables into the folder of the CSV files."""
+    """Writes the tables as HDF5, and as Parquet if pyarrow is installed, into the folder of the CSV files. Skips large tables."""
     tables = {name: read(folder / f"{name}.csv") for name in _TABLES if _is_small(folder / f"{name}.csv")}
     if tables:
         _write_hdf5(folder / "tables.h5", tables)

@@ -90,7 +90,7 @@ def _campaign(study: Study, executor: concurrent.futures.Executor | None, jobs: 
         threads = concurrent.futures.ThreadPoolExecutor(jobs)  # each thread has its own mission process
         try:
             with interrupts.allowed():
-                # Enough missions for every worker, but few that a decision could waste.
+                # Twice the number of workers: no worker waits for a mission, and a decision makes only few missions unnecessary.
                 yield Campaign(study, threads, 2 * jobs)
         finally:
             with interrupts.held():  # again, because an interrupt may have ended ``allowed`` early
@@ -229,7 +229,7 @@ class _ProgressLine:
 
 
 def _live_table(now: Progress) -> list[str]:
-    """Returns lines with the best designs so far and their intervals, and the number of designs by reason of their end."""
+    """Returns lines with the best designs so far and their intervals. Further lines say how many designs get no more missions, and why."""
     if now.standings is None:
         return []
     so_far = now.standings()

@@ -46,7 +46,7 @@ class Estimate:
 
 @dataclasses.dataclass(frozen=True)
 class Methods:
-    """The functions that compute intervals, by estimated quantity."""
+    """The functions that compute the interval of a share, a mean and a percentile."""
 
     share: Callable[[int, int, float], Interval]
     mean: Callable[[Moments, float], Interval]
@@ -120,7 +120,7 @@ class Evidence:
         return self._missing[design]
 
     def missions_of(self, design: int) -> int:
-        """Returns the number of counted missions with results."""
+        """Returns the number of the design's missions that count in its statistics and have a result."""
         return self.counts[design] - self._missing[design]
 
     def row(self, design: int, replicate: int) -> list[float | None]:
@@ -133,7 +133,7 @@ class Evidence:
         return [self._measures[design][begin * width + at : end * width : width] for at in range(width)]
 
     def column(self, design: int, at: int) -> array.array[float]:
-        """Returns one measure of all counted missions of a design. NaN marks a missing measure."""
+        """Returns one measure for all missions of a design that count in its statistics (see count_to()). NaN marks a missing measure."""
         width = len(self.index)
         return self._measures[design][at : self.counts[design] * width : width]
 
@@ -156,12 +156,12 @@ class Evidence:
         return found
 
     def so_far(self, design: int, objective: Objective) -> Estimate:
-        """Returns the estimate from all results so far, including uncounted ones."""
+        """Returns the estimate from all results so far, including those that do not yet count in the statistics (see count_to())."""
         values = self._measures[design][self.index[objective.label] :: len(self.index)]
         return _estimated(objective, values, self.study.error, SEQUENCES if self.study.looks else SHOWN)
 
     def course(self, design: int, objective: Objective, counts: Sequence[int]) -> list[Estimate]:
-        """Returns the estimates of ``shown`` after each of these numbers of missions."""
+        """Returns the estimates that shown() would return after each of these numbers of missions."""
         values = self.column(design, self.index[objective.label])
         methods = SEQUENCES if self.study.looks else SHOWN
         return [_estimated(objective, values[:count], self.study.error, methods) for count in counts]
@@ -171,7 +171,8 @@ class Evidence:
         return self.estimate(design, objective, self.study.error, SEQUENCES if self.study.looks else SHOWN)
 
     def known_of(self, design: int, objective: Objective) -> Interval:
-        """Returns the interval for decisions. Without draws, all missions of a design are equal, so the value is exact."""
+        """Returns the interval with which the study compares the design with bounds and other designs. Without draws, all missions of a
+        design are equal, so the value is exact."""
         found = self.estimate(design, objective, self.design_error, SEQUENCES if self.study.looks else DECIDED)
         return (found.mean, found.mean) if not self.study.draws and found.mean is not None else found.interval
 
@@ -190,8 +191,9 @@ class Evidence:
         return None if None in sides else True
 
     def advantage(self, better: int, worse: int, objective: Objective) -> float:
-        """Returns the amount by which ``better`` is certainly better, in the unit and sense of the objective. A negative result is the
-        amount by which ``better`` may be worse. If only the order of two shares is certain, returns the smallest positive number."""
+        """Returns the amount by which ``better`` is certainly better, in the unit of the objective, whether it is minimised or maximised. A
+        negative result is the amount by which ``better`` may be worse. If the order of two shares is certain, but not the amount, returns
+        the smallest positive number."""
         separate = self._advantage_of_intervals(better, worse, objective)
         if separate > 0:
             return separate
@@ -214,7 +216,8 @@ class Evidence:
         return self.mean_bound(Moments().add(differences))
 
     def share_bound(self, wins: int, decided: int) -> float:
-        """Returns the lower bound of the share of replicates in which the first design wins."""
+        """Returns the lower bound of the share of successes of the first design among the ``decided`` replicates in which exactly one of
+        two designs succeeds."""
         return (SEQUENCES if self.study.looks else DECIDED).share(wins, decided, self.pair_error)[0]
 
     def mean_bound(self, differences: Moments) -> float:
@@ -222,7 +225,7 @@ class Evidence:
         return (SEQUENCES if self.study.looks else DECIDED).mean(differences, self.pair_error)[0]
 
     def differences(self, better: int, worse: int, objective: Objective) -> list[float]:
-        """Returns for each common replicate the amount by which ``better`` was better, in the sense of the objective."""
+        """Returns for each common replicate the amount by which ``better`` was better, whether the objective is minimised or maximised."""
         sense, at = objective.sense or 1, self.index[objective.label]
         return [
             sense * (a - b)
@@ -258,7 +261,8 @@ class Evidence:
         return self.advantage(design, other, self.study.objective(label)) > 0
 
     def leaders(self, designs: Sequence[int]) -> list[int]:
-        """Returns the designs that no other design dominates by the means so far. Each other design is dominated by one of them."""
+        """Returns the designs of the Pareto front of the means so far: no other design dominates them, but one of them dominates each other
+        design."""
         points = [(design, self._point(design)) for design in designs]
         complete = [(design, point) for design, point in points if None not in point]
         if not complete:
@@ -266,8 +270,8 @@ class Evidence:
         return [complete[at][0] for at in pareto.front(np.array([point for _, point in complete], float))]
 
     def bounds(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Returns the lower ends and upper ends of the intervals for decisions, and the means (NaN if missing), of all designs in the sense
-        of each objective."""
+        """Returns the lower and upper ends of the intervals for decisions, and the means, which are NaN if missing. Each array has a row
+        per design and a column per objective. Values of minimised objectives are negated, so greater is always better."""
         shape = (len(self.counts), len(self._senses))
         low, high, mean = np.empty(shape), np.empty(shape), np.full(shape, np.nan)
         for design in range(len(self.counts)):
@@ -285,7 +289,7 @@ class Evidence:
 
     @property
     def complete(self) -> np.ndarray:
-        """Returns for each design whether all of its missions have the measures for the front."""
+        """Returns for each design whether all of its missions have values for each objective that is minimised or maximised."""
         places = [self.index[objective.label] for objective in self._senses]
         return np.array([not any(np.isnan(self.column(design, at)).any() for at in places) for design in range(len(self.counts))], bool)
 

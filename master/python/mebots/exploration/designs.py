@@ -123,7 +123,7 @@ KINDS: dict[str, Callable[[Study], list[Values]]] = {
 
 
 def _fits(condition: dict[str, Any], design: Values) -> bool:
-    """True if the design matches ``only``, or does not match ``when``."""
+    """True unless the condition excludes the design: a design that matches ``when`` must also match ``only``."""
     return not _in(condition["when"], design) or _in(condition["only"], design)
 
 

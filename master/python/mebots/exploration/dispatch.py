@@ -38,7 +38,7 @@ class Unfinished(Error):
 
 @dataclasses.dataclass
 class _Group:
-    """Orders, and the number of each mission in its round; -1 without a round."""
+    """Orders, and the index of each mission in the current round. The index is -1 for other missions."""
 
     orders: Orders
     indices: Sequence[int]

@@ -28,7 +28,8 @@ chance."""
 
 @dataclasses.dataclass(frozen=True)
 class Factor:
-    """A factor with readable ``levels``, and the level of each design. ``scale`` converts values to the displayed unit."""
+    """A factor. ``levels`` are texts for readers, and ``level`` contains for each design the index of its level. ``scale`` converts values
+    to the displayed unit."""
 
     name: str
     label: str
@@ -44,14 +45,14 @@ class Factor:
 
 
 def factors_of(names: Sequence[str], designs: Sequence[Values], units: Units) -> list[Factor]:
-    """Returns the factors, with the levels that the designs have."""
+    """Returns the factors with the values that occur in the designs as their levels."""
     labels = short_names(names)
     return [_factor(name, label, [design[name] for design in designs], units.of_factor(name)) for name, label in zip(names, labels, strict=True)]
 
 
 def short_names(names: Sequence[str]) -> list[str]:
-    """Returns the last part of each name, and preceding parts that make it unique. A general last part such as "name" always has the
-    preceding part."""
+    """Returns the last part of each name, with as many preceding parts as make it unique. If the last part is a general word such as
+    "name", adds at least one preceding part."""
 
     def ending(name: str, parts: int) -> str:
         return name.removeprefix("/") if name.startswith("/") else ".".join(name.split(".")[-parts:])
@@ -110,7 +111,8 @@ def _means(cells: np.ndarray, count: int, values: np.ndarray) -> list[float | No
 
 
 def pairs_of(factors: Sequence[Factor]) -> list[tuple[int, int]]:
-    """Returns the pairs of factors with more than one level, as indices. Stops at ``_MOST_CELLS`` combinations of levels."""
+    """Returns the pairs of factors with more than one level, as indices. Omits further pairs when all pairs together have more than
+    ``_MOST_CELLS`` combinations of levels."""
     varied = [at for at, factor in enumerate(factors) if len(factor.levels) > 1]
     result, cells = [], 0
     for first, second in itertools.combinations(varied, 2):
@@ -162,13 +164,13 @@ def importances(study: Study, factors: Sequence[Factor], pairs: Sequence[tuple[i
 
 
 def _indicators(cells: np.ndarray) -> np.ndarray:
-    """Returns an indicator column per cell, with zero mean."""
+    """Returns a column for each distinct value of ``cells``: 1 for designs with this value and 0 for others, shifted to the mean zero."""
     columns = (cells[:, None] == np.unique(cells)[None, :]).astype(float)
     return columns - columns.mean(axis=0)
 
 
 def _basis(parts: Sequence[np.ndarray]) -> np.ndarray:
-    """Returns an orthonormal basis of the columns."""
+    """Returns an orthonormal basis of the space that all columns in ``parts`` span."""
     matrix = np.concatenate(parts, axis=1) if parts else np.empty((0, 0))
     if matrix.size == 0:
         return np.zeros((len(matrix), 0))
@@ -177,6 +179,6 @@ def _basis(parts: Sequence[np.ndarray]) -> np.ndarray:
 
 
 def _squares(basis: np.ndarray, values: np.ndarray) -> float:
-    """Returns the sum of squares that a basis explains."""
+    """Returns the part of the sum of squares of ``values`` that an orthonormal basis explains."""
     found = basis.T @ values if basis.shape[1] else np.zeros(0)
     return float(found @ found)

@@ -104,7 +104,7 @@ class Units:
         return "s" if objective.reduction == "first_true" else self._of_variables.get(objective.what, "")
 
     def _variable_of(self, label: str) -> str:
-        """Returns the variable of a label in the summary."""
+        """Returns the name of the variable that the summary shows under this label."""
         found: Any = self._summary
         for part in label.split("."):
             if isinstance(found, list):  # a group, whose members have the same unit

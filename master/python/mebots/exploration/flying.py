@@ -227,8 +227,8 @@ def _folder() -> str:
 
 def fly_all(batch: Batch) -> dict[str, Any]:
     """Executes a batch in the mission process of the calling thread. Returns the results (``replies.py``), the ``unfinished`` missions with
-    reasons, and ``duration_s``. If files are missing here, returns ``{"lacks": [hashes]}``; a batch may contain them under ``contents``. If
-    this is another build of MEbots, returns its ``build``, because its results could differ."""
+    reasons, and ``duration_s``. If this machine lacks files, returns ``{"lacks": [hashes]}``; the next batch may contain them under
+    ``contents``. If the batch is from another build of MEbots, returns this machine's ``build``, because its results could differ."""
     if batch["shared"]["build"] != build():
         return {"build": build()}
     lacking = _find_files(batch)
@@ -331,7 +331,7 @@ def cache_folder() -> pathlib.Path:
 
 
 def _find_files(batch: Batch) -> list[str]:
-    """Sets the paths of a batch's files on this machine. Returns the hashes of missing files."""
+    """Finds the files of a batch on this machine, and stores their paths in the batch. Returns the hashes of missing files."""
     contents = batch.pop("contents", {})
     lacking = []
     for digest, place in batch["files"].items():

@@ -62,7 +62,8 @@ def interrupt(number: int, frame: object) -> None:
 
 @contextlib.contextmanager
 def _handled() -> Iterator[None]:
-    """Replaces Python's handler of Ctrl-C, which raises anywhere. Keeps a handler of another program."""
+    """Replaces Python's handler of Ctrl-C, which raises KeyboardInterrupt between any two instructions. If another program has set a
+    handler, keeps that one."""
     if signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
         yield
         return

@@ -38,7 +38,7 @@ _MOST_NAMED = 10
 
 Record = dict[str, Any]
 
-# Byte positions in a line of this version.
+# Parts of a line in the current format of the journal.
 _MISSION = b'{"mission":"'
 _BUILD = b'","flown_by":"'
 _DIGEST = 64
@@ -69,9 +69,9 @@ def key_of(mission: str) -> int:
 
 
 class Places:
-    """Stores the places of lines, 16 bytes per mission, in lists sorted by key; the latest list is the last. Merges a list with the
-    previous list, unless the previous list is more than twice as long. If missions share a key, returns all their places, the latest
-    first."""
+    """Stores the positions of lines in the file by the keys of their missions, in 16 bytes per mission. The lists are sorted by key, and a
+    later list contains later lines. Merges the last two lists until each list is more than twice as long as the next one. If missions share
+    a key, returns all their positions, the latest first."""
 
     def __init__(self) -> None:
         self._runs: list[tuple[np.ndarray, np.ndarray]] = []
@@ -109,7 +109,7 @@ def _sorted(keys: np.ndarray, places: np.ndarray) -> tuple[np.ndarray, np.ndarra
 
 
 def keys_of(digests: Sequence[bytes]) -> np.ndarray:
-    """Returns ``key_of`` for each mission."""
+    """Returns the search key (``key_of``) of each mission."""
     return np.frombuffer(b"".join(digests), ">u8")[::4].astype(np.uint64)
 
 
@@ -236,7 +236,7 @@ class Journal:
             )
 
     def _line(self, place: int) -> bytes:
-        """Reads a line through a window of the file, because tables read lines roughly in the order of the file."""
+        """Returns the line that starts at ``place``. Reads a larger part of the file at once, because the next line is usually near."""
         begin, window = self._window
         if begin <= place < begin + len(window):
             end = window.find(b"\n", place - begin)
@@ -290,7 +290,8 @@ class Journal:
 
 
 class _Scan:
-    """Reads and checks keys, places and builds of lines. Reads lines of this version with NumPy, and all others one by one."""
+    """Checks the lines of a journal, and finds the key, the position and the build of each. Reads lines in the current format with NumPy,
+    and all others one by one."""
 
     def __init__(self) -> None:
         self.builds: collections.Counter[str] = collections.Counter()
@@ -301,7 +302,7 @@ class _Scan:
         """True after the first line with a checksum. Earlier versions wrote no checksums; this version always does."""
 
     def lines(self, text: bytes, place: int) -> tuple[np.ndarray, np.ndarray]:
-        """Returns keys and places of the valid lines in a text. ``place`` is the position of the text in the file."""
+        """Returns the keys of the valid lines in a text, and their positions in the file. ``place`` is the position of the text."""
         data = np.frombuffer(text, np.uint8)
         ends = np.flatnonzero(data == ord("\n")) + 1
         begins = np.concatenate([[0], ends[:-1]])
@@ -324,7 +325,7 @@ class _Scan:
 
     @staticmethod
     def _usual(data: np.ndarray, begins: np.ndarray, ends: np.ndarray) -> np.ndarray:
-        """Returns the indices of lines in the format of this version: all fixed characters are at their positions."""
+        """Returns the indices of lines in the current format, which have all fixed characters at their positions."""
         usual = np.flatnonzero(ends - begins > _BUILD_AT + _DIGEST + _SUM_BYTES)
         marks = ((begins, 0, _MISSION), (begins, len(_MISSION) + _DIGEST, _BUILD), (ends, -_SUM_BYTES, b',"crc32":"'), (ends, -3, b'"}\n'))
         for start, offset, mark in marks:
@@ -357,7 +358,7 @@ class _Scan:
 
 
 def _have(data: np.ndarray, begins: np.ndarray, mark: np.ndarray) -> np.ndarray:
-    """Returns for each position whether these bytes are there."""
+    """Returns for each position in ``begins`` whether the bytes ``mark`` are there."""
     same = np.ones(len(begins), bool)
     for offset, byte in enumerate(mark.tolist()):
         same &= data[begins + offset] == byte
@@ -365,7 +366,7 @@ def _have(data: np.ndarray, begins: np.ndarray, mark: np.ndarray) -> np.ndarray:
 
 
 def _hex(data: np.ndarray, begins: np.ndarray, digits: int) -> np.ndarray:
-    """Returns the hexadecimal numbers at these positions."""
+    """Returns for each position in ``begins`` the number that has ``digits`` hexadecimal digits there."""
     result = np.zeros(len(begins), np.uint64)
     for offset in range(digits):
         result = (result << np.uint64(4)) | _DIGITS[data[begins + offset]]

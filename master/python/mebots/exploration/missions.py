@@ -104,8 +104,8 @@ class Missions:
         """Folder of the results, with 256 folders for the first two digits of the mission's hash."""
 
     def order(self, values: Values) -> Order:
-        """Returns the order of the mission with these values of factors and draws. Raises InputError if a JSON pointer finds no value, or
-        if a fork is after the end."""
+        """Returns the order of the mission with these values of factors and draws. Raises InputError if a JSON pointer finds no value in
+        the config, or if no communication point before the stop time is at or after the fork."""
         fork = self._study.fork
         if fork is None:
             return self._order(values, ())
@@ -121,8 +121,8 @@ class Missions:
         return self._order(before, (Turn({"at": fork.at_s}, later),))
 
     def order_until(self, place: Values, values: Values, course: Course) -> Order:
-        """Returns the order of a mission that follows this course up to a place and saves its state there, from which other missions with
-        the same course start."""
+        """Returns the order of a mission that follows ``course`` up to ``place`` and saves its state there. Missions whose courses begin in
+        the same way can start from this state."""
         order = self._order(values, course)
         order["until"] = place
         order["keeps"] = self._past(order["mission"], place)
@@ -130,7 +130,7 @@ class Missions:
         return order
 
     def _past(self, mission: str, place: Values) -> str:
-        """Returns the hash of the state at a place, including the recorded variables."""
+        """Returns the hash under which the state of a mission at ``place`` is saved. It depends on the recorded variables."""
         return digest_of([mission, place, self._series])
 
     def _order(self, values: Values, course: Course) -> Order:
@@ -179,13 +179,14 @@ class Missions:
         return Orders(digests, common, columns)
 
     def _are_columns(self, fixed: Values, draws: Values) -> bool:
-        """True if missions with different draws have the same config, files and course."""
+        """True if missions with these draws differ only in numbers, so that they need only columns: they have the same config, files and
+        course."""
         numbers = all(isinstance(value, (int, float)) for value in draws.values())
         return bool(draws) and numbers and not _has_pattern((*fixed, *draws)) and self._study.fork is None and self.folder is None and self._is_plain((*fixed, *draws))
 
     def _pieces(self, common: Order, columns: dict[str, list[Any]]) -> tuple[list[bytes], list[list[bytes]]]:
-        """Returns the texts of ``settings`` for the hash, with ``%b`` in place of values that differ between missions, and the texts of
-        these values."""
+        """Returns two lists for the hash of a mission: pieces of the JSON text of ``settings``, with ``%b`` in place of values that differ
+        between missions; and the texts of these values for each mission."""
         pieces, texts = [], []
         for name in sorted(common["settings"]):
             title = f"{canonical(name)}:".replace("%", "%%").encode()
@@ -197,21 +198,22 @@ class Missions:
         return pieces, texts
 
     def _texts(self, name: str, values: list[Any]) -> list[bytes]:
-        """Returns the ``canonical`` texts of values. Caches those of the last draws, which all designs share."""
+        """Returns the ``canonical`` texts of values. Caches the last texts of each name, because all designs have the same draws."""
         known = self._drawn.get(name)
         if known is None or known[0] != values:
             known = self._drawn[name] = values, [_canonical_of(value).encode() for value in values]
         return known[1]
 
     def shell_line(self, values: Values, out: str) -> str:
-        """Returns the command that repeats a mission with all results and pictures, or "" if it requires another config."""
+        """Returns the command that repeats a mission with all results and pictures. Returns "" if options cannot set all values, because
+        some change the config."""
         settings = self.settings_words(values)
         if settings is None:
             return ""
         return " ".join(filter(None, (shlex.join(["mebots", "run", str(self._study.mission), "--out", out]), settings)))
 
     def settings_words(self, values: Values) -> str | None:
-        """Returns the options of `mebots run` that set these values, or None if they require another config."""
+        """Returns the options of `mebots run` that set these values, or None if options cannot set all of them."""
         pointers, settings = self._divide(values)
         stop_time = pointers.pop("/stop_time", None)
         if pointers or self._study.fork is not None:
@@ -222,8 +224,8 @@ class Missions:
         return shlex.join(words)
 
     def replay(self, values: Values, folder: pathlib.Path, name: str, text: str, scenario: list[Values]) -> str:
-        """Writes the course of a mission as a scenario. Returns the command that repeats the mission with it, or "" if it requires another
-        config."""
+        """Writes a scenario that repeats the changes during a mission. Returns the command that repeats the mission with this scenario, or
+        "" if options cannot set all values."""
         command = self.shell_line(values, str(folder / name))
         if command:
             folder.mkdir(exist_ok=True)
@@ -238,7 +240,8 @@ class Missions:
         return {name: value} if options is None else options[value]
 
     def _divide(self, values: Values) -> tuple[Values, Values]:
-        """Divides values into keys of the config and parameters. Replaces options by their settings."""
+        """Returns two dicts: the values of JSON pointers, which change the config, and the values of parameters. Replaces each option by
+        its settings."""
         if self._is_plain(tuple(values)):
             return {}, {name: self._located(name, value) if isinstance(value, str) else value for name, value in values.items()}
         pointers: Values = {}
@@ -250,13 +253,14 @@ class Missions:
         return pointers, settings
 
     def _is_plain(self, names: tuple[str, ...]) -> bool:
-        """True if all names are parameters."""
+        """True if all names are parameters, not JSON pointers or names with options."""
         if names not in self._plain:
             self._plain[names] = not any(name.startswith("/") or name in self._options for name in names)
         return self._plain[names]
 
     def _located(self, name: str, value: str) -> str:
-        """Returns an absolute path if the text names an input in a folder of the study. Otherwise, returns the text."""
+        """If ``value`` is a relative path of an input in one of the study's folders, returns the absolute path. Otherwise, returns
+        ``value``."""
         if (name, value) not in self._found:
             paths = (str(folder / value) for folder in self._study.folders)
             relative = value and not os.path.isabs(value)

@@ -22,8 +22,8 @@ Measures = tuple[float | None, ...]
 
 
 class Measurer:
-    """Computes the measures of missions. ``labels`` are those of the missions' summaries. Raises InputError if an objective
-    refers to something that does not exist."""
+    """Computes the measures of missions. ``labels`` are the labels in the summary of a mission. Raises InputError if an objective names a
+    label or a variable that does not exist."""
 
     def __init__(self, study: Study, labels: Iterable[str]) -> None:
         self._objectives = study.objectives
@@ -92,8 +92,8 @@ class Measurer:
         return reply.numbers.get(keys[one.source], none)
 
     def without_value(self) -> list[str]:
-        """Returns a message for each expression that failed in every mission with an arithmetic error. Skips expressions with ``where``,
-        and expressions of values that a mission may lack."""
+        """Returns a message for each objective whose expression had no value in any mission because of an arithmetic error. Skips
+        objectives with ``where``, and expressions of values that a mission may lack."""
         return [
             f"{self._place}: the objective '{label}' has no value in any of {self._sound} missions: '{what}': {why}"
             for label, what, why in (
@@ -128,7 +128,7 @@ class Measurer:
 
 
 def _share_of(one: Objective, reply: Reply) -> np.ndarray:
-    """Returns 1 for missions with one of the outcomes or end reasons, and 0 for others."""
+    """Returns 1 for each mission that ended with one of the objective's outcomes or end reasons, and 0 for others."""
     if one.source == "outcome":
         return np.array([name in one.what for name in reply.outcome_names], float)[reply.outcomes]
     return np.array([_ending(record, one) in one.what for record in reply.records()], float)
@@ -140,8 +140,8 @@ def _ending(record: Record, one: Objective) -> str:
 
 
 def has_all(record: Record, order: Mapping[str, Any]) -> bool:
-    """True if a stored mission need not run again: its record contains all values that ``order`` requests, and its results folder, if
-    requested, contains summary.json. A failed mission needs no values."""
+    """True if a stored mission need not run again for ``order``. Its record must contain all final values and series of the order. If the
+    order has a results folder, summary.json must exist there. A failed mission needs no values."""
     if record["error"]:
         return True
     if "out" in order and not os.path.exists(os.path.join(order["out"], "summary.json")):

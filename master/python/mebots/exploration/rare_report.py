@@ -60,12 +60,12 @@ def _content(design: Design, name: str, missions: int) -> dict[str, Any]:
 
 
 def _shares(reached: Sequence[int], missions: int) -> list[float]:
-    """Returns the probability of reaching each level by one estimate."""
+    """Returns the estimated probability of reaching each level: the product of the shares up to this level."""
     return list(itertools.accumulate((count / missions for count in reached), lambda share, one: share * one))
 
 
 def counting(design: Design) -> float | None:
-    """Returns the number of complete missions that plain counting would need for the same relative error: (1 - p)/(p e^2)."""
+    """Returns the number of complete missions for the same relative error e of the probability p by plain counting: (1 - p)/(p e^2)."""
     probability, _, _, relative = design.answer
     if not probability or not relative:
         return None

@@ -30,9 +30,9 @@ _POINTS_OF_CURVES = 14
 
 @dataclasses.dataclass(frozen=True)
 class Content:
-    """The results of a study. ``places`` (on the Pareto front), ``status`` and ``failed`` (numbers of failed missions) have one entry per
-    design. ``outcomes`` contains all names, and for each design the outcomes of its missions; None while the study runs. ``refresh_s`` is
-    the time between reloads of a running study's page."""
+    """The results of a study. ``places`` (whether the design is on the Pareto front, as in front.py), ``status`` and ``failed`` (numbers of
+    failed missions) have one entry per design. ``outcomes`` contains the names of all outcomes, and for each design the outcomes of its
+    missions; None while the study runs. ``refresh_s`` is the time between reloads of a running study's page."""
 
     study: Study
     factors: Sequence[str]
@@ -153,7 +153,8 @@ def _indices(content: Content) -> dict[str, Any] | None:
 
 
 def _courses(content: Content) -> list[dict[str, Any]]:
-    """Returns the estimates of the best designs after increasing numbers of missions."""
+    """Returns how the estimates of the best designs change with the number of missions: for each design, the means and intervals after
+    increasing numbers."""
     result = []
     for row in content.answer.rows[:_MOST_CURVES]:
         count = content.evidence.counts[row.design]
@@ -176,7 +177,7 @@ def _points_up_to(count: int) -> list[int]:
 
 
 def _best(content: Content) -> list[int]:
-    """Returns the designs of a search that are better than all earlier ones in the final ranking."""
+    """Returns the designs of a search that rank higher than all designs with smaller numbers."""
     if content.study.design["kind"] != "search":
         return []
     ranks = {row.design: row.rank for row in content.answer.rows if row.rank is not None}

@@ -35,8 +35,8 @@ def _quantiles(values: np.ndarray) -> list[float] | None:
 
 
 def missions_of(evidence: Evidence, designs: Sequence[int], outcomes: tuple[list[str], list[np.ndarray]] | None) -> dict[str, Any]:
-    """Returns every n-th mission of each design: their numbers in ``counts``, their outcomes, and their values by objective. The numbers of
-    outcomes include all missions."""
+    """Returns the values of missions for the page. If there are too many missions, takes only every n-th of each design; ``every`` contains
+    n, and ``counts`` the number per design. ``outcome_counts`` includes all missions."""
     every = max(1, math.ceil(sum(evidence.counts[design] for design in designs) / MOST_MISSIONS))
     counts = [len(range(0, evidence.counts[design], every)) for design in designs]
     values = [
@@ -70,8 +70,8 @@ class Replay:
     folder: pathlib.Path
 
     def texts(self, designs: Sequence[int], replicates: int) -> dict[str, Any] | None:
-        """Returns the parts of the commands that repeat missions: the common beginning, the settings of each design (None if it requires
-        another config), and those of each replicate's draws. Returns None if no command can repeat a mission."""
+        """Returns the parts from which the page builds the commands that repeat missions: the start of each command, the settings of each
+        design (None if options cannot set them), and those of each replicate's draws. Returns None if no command can repeat a mission."""
         missions = self.space.missions
         own = [missions.settings_words(self.space.designs[design]) for design in designs]
         draws = [missions.settings_words(self.space.draw(one)) for one in range(min(replicates, MOST_COMMANDS))]

@@ -12,6 +12,7 @@ from mebots.page import write_page
 
 
 def write(file: pathlib.Path, study: Study, data: dict[str, Any], provenance: dict[str, str], answer: str) -> None:
-    """Writes the page. ``provenance`` describes the inputs. ``answer`` is the result as text."""
+    """Writes the page of a study. ``data`` contains the numbers that the page draws. ``provenance`` describes the study's inputs.
+    ``answer`` is the result as text."""
     title = json.loads(study.text).get("text") or study.mission.stem
     write_page(file, title, data | {"error": study.error}, provenance, answer)

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Stores whether each mission of a study has a result, and its row of missions.csv, in 42 bytes per mission. ``comparison.Evidence`` stores
-measures."""
+"""Stores for each mission of a study whether it has a result, and its hash, outcome and simulated time for missions.csv, in 42 bytes.
+``comparison.Evidence`` stores the measures."""
 
 from __future__ import annotations
 
@@ -115,7 +115,7 @@ class Results:
         times[replicate:end] = array.array("d", times_s.tobytes())
 
     def _extend(self, design: int, replicates: int) -> None:
-        """Extends the tables to this number of missions of a design."""
+        """Extends the hashes, outcomes and times of a design to this number of missions."""
         lacking = replicates - len(self._outcomes[design])
         if lacking > 0:
             self._hashes[design].extend(bytes(DIGEST_BYTES * lacking))
@@ -127,7 +127,7 @@ class Results:
         self._store_rows(design, replicate, bytes.fromhex(record["mission"]), numbers, times_s)
 
     def rows(self, design: int, begin: int, end: int) -> Rows:
-        """Returns the cells of the replicates from ``begin`` to ``end``."""
+        """Returns the cells of missions.csv for the replicates from ``begin`` to ``end`` - 1 of a design."""
         self._extend(design, end)
         digests = self._hashes[design][DIGEST_BYTES * begin : DIGEST_BYTES * end].hex()
         numbers = self._outcomes[design][begin:end]
@@ -147,8 +147,8 @@ class Results:
         return self._names, [np.array(self._outcomes[design]) for design in range(len(self.evidence.counts))]
 
     def settle(self, most_failures: int | None) -> int:
-        """Counts further missions of the round, up to the first without a result, or up to the mission that exceeds the permitted number of
-        failures. Returns the number of failures so far."""
+        """Settles further missions of the round in their order. Stops before the first mission without a result, and after the mission that
+        exceeds the permitted number of failures. Returns the number of failures so far."""
         end = self._states.find(_OPEN, self._settled)
         end = len(self._states) if end < 0 else end
         if most_failures is None:
@@ -162,13 +162,14 @@ class Results:
         return self.failed_so_far
 
     def end(self) -> bool:
-        """Counts the settled missions. Returns True if the round ended early."""
+        """Includes the settled missions in the statistics. Returns True if the round ended before all of its missions were settled."""
         self._count(self._settled)
         self.failed = self.failed_so_far
         return self._settled < len(self._states)
 
     def end_unfinished(self) -> int:
-        """Counts the missions of this round with a result. Records all others as missing, and returns their number."""
+        """Ends the round although some missions have no result. Records these as missing and returns their number. All missions of the
+        round then count in the statistics."""
         missing = 0
         for index, state in enumerate(self._states):
             if state == _OPEN:

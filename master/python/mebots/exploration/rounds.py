@@ -17,7 +17,8 @@ FLYING = "flying"
 
 
 class Flights(Sequence[Flight]):
-    """The same replicates of several designs, in the order of the study. Does not store them as a list."""
+    """A sequence of missions: the replicates from ``begin`` to ``end`` - 1 of the first design, then those of the next design, and so on.
+    Computes its items, so it needs no memory for them."""
 
     def __init__(self, designs: Sequence[int], begin: int, end: int) -> None:
         self.designs = designs
@@ -58,7 +59,8 @@ class Rounds:
         return self._missions(self._flown)
 
     def ahead(self) -> Flights:
-        """Returns the missions of the round after the current one, if all designs continue. Idle workers run them early."""
+        """Returns the missions of the round after the current one, assuming that no design ends in the current one. Idle workers run them
+        early."""
         return self._missions(self._flown + self._size)
 
     def most_left(self) -> int:
@@ -66,7 +68,8 @@ class Rounds:
         return len(self.flying()) * (self._study.replicates - self._flown)
 
     def likely_left(self) -> float:
-        """Returns the number of missions left if each round ends the same share of designs as before."""
+        """Estimates the number of missions left. Assumes that each round ends the same share of the remaining designs as the rounds so
+        far."""
         if self._decided == 0:
             return self.most_left()
         going_on = (len(self.flying()) / len(self.status)) ** (1 / self._decided)

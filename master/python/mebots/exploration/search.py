@@ -14,7 +14,8 @@ from mebots.extras import extra
 
 
 class Search:
-    """Requests designs from the sampler and appends them to ``designs``. Has the interface of Rounds."""
+    """Requests the designs of each round from Optuna's sampler, and appends them to ``designs``. Has the same methods as
+    ``rounds.Rounds``."""
 
     def __init__(self, study: Study, evidence: Evidence, designs: list[Values]) -> None:
         self._study = study

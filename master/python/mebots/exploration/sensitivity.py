@@ -16,7 +16,7 @@ _COLUMNS = {"sobol": ("S1", "S1_conf", "ST", "ST_conf"), "morris": ("mu", "mu_st
 
 
 def sample(study: Study) -> Any:
-    """Returns points of the unit cube, one row per design."""
+    """Returns the samples of the method with a row per design and a column per factor. Each value is a quantile from 0 to 1."""
     method, count, seed = study.design["method"], study.design["points"], study.design.get("seed", 0)
     module = extra(f"SALib.sample.{method}", "a design 'sensitivity'", "SALib")
     more = {"calc_second_order": False} if method == "sobol" else {}
@@ -29,7 +29,8 @@ def write(file: pathlib.Path, study: Study, evidence: Evidence) -> None:
 
 
 def rows(study: Study, evidence: Evidence) -> list[list[str]]:
-    """Returns the titles, and a row for each objective and factor. Omits an objective if a design has no value for it."""
+    """Returns the sensitivity indices as a table: a row of titles, then a row for each pair of an objective and a factor. Omits an
+    objective if a design has no value for it."""
     method = study.design["method"]
     found = [["objective", "factor", *_COLUMNS[method]]]
     points = sample(study)

@@ -55,7 +55,8 @@ class Space:
                 yield at * (flights.end - flights.begin) + begin - flights.begin, self.missions.orders(self.designs[design], drawn)
 
     def provenance(self, example: Values) -> dict[str, str]:
-        """Describes versions and inputs of the study for readers. ``example`` contains the values of any mission."""
+        """Returns the mission, the draws and the hashes of the input files as texts for the report. ``example`` contains the values of any
+        mission of the study."""
         draws = json.dumps(self.study.draws) if self.study.draws else "none"
         files: dict[str, Any] = self.missions.order(example)["files"]
         return {

@@ -43,8 +43,8 @@ class Way:
 
 @dataclasses.dataclass
 class Estimate:
-    """An estimate of a design's probability: the missions that reached the last level so far, and the number of missions that reached each
-    level."""
+    """An estimate of a design's probability. ``ways`` are the missions that reached the latest level. ``reached`` contains the number of
+    missions that reached each level."""
 
     design: int
     run: int
@@ -97,7 +97,7 @@ def most_missions(study: Study) -> int:
 
 
 def trial_course(study: Study) -> Course:
-    """Returns the course of the mission that checks the study at its start."""
+    """Returns the changes in the mission with which a study of a rare event is checked at its start."""
     return (Turn(_place(study.rare, study.rare.goal), _writes(study, 1, 0)),)
 
 
@@ -117,7 +117,8 @@ def _fly_level(space: Space, estimates: Sequence[Estimate], number: int, bring: 
 def _flown_to(
     space: Space, estimates: Sequence[Estimate], level: Callable[[Estimate], float], number: int, bring: Bring
 ) -> list[tuple[Estimate, list[tuple[Way, Record]]]]:
-    """Runs the missions of each estimate from one level to the next. Returns the missions and their records."""
+    """Runs the missions of each estimate that start at its level ``number`` - 1 (at t = 0 if ``number`` is 0). They end at
+    ``level(estimate)``. Returns the missions of each estimate with their records."""
     study = space.study
     flights = [(one, [(way, _order(space, one, way, level(one))) for way in _ways(study, one, number)]) for one in estimates]
     journal = bring([order for _, own in flights for _, order in own], _most_later(space, estimates, number))
@@ -135,7 +136,7 @@ def _flown_to(
 
 
 def _most_later(space: Space, estimates: Sequence[Estimate], number: int) -> int:
-    """Returns the maximum number of missions that can follow the missions to this level."""
+    """Returns the maximum number of missions that the study needs after those to the level with the index ``number``."""
     study, designs = space.study, len(space.designs)
     if estimates[0].run == study.replicates:  # pilot missions, which precede all estimates
         return ((MOST_LEVELS - number - 1) + study.replicates * MOST_LEVELS) * designs * study.rare.missions
@@ -147,7 +148,7 @@ def _place(splitting: Splitting, level: float) -> Values:
 
 
 def _ways(study: Study, estimate: Estimate, number: int) -> Iterator[Way]:
-    """Yields the missions to the next level. They start at t = 0, or from states of missions that reached the previous level."""
+    """Yields the missions that start from states of missions that reached level ``number`` - 1. If ``number`` is 0, they start at t = 0."""
     count, first = study.rare.missions, estimate.run * study.rare.missions
     if number == 0:
         yield from (Way(first + index) for index in range(count))
@@ -168,7 +169,7 @@ def _ways(study: Study, estimate: Estimate, number: int) -> Iterator[Way]:
 
 
 def _writes(study: Study, number: int, index: int) -> Values:
-    """Returns the new draws at a level."""
+    """Returns new draws of the variables in ``reseed``. They depend on the level's index ``number`` and on the mission's ``index``."""
     return {
         name: chance.value(study.draws[name], chance.unit(study.draws_seed, f"{name}/level {number}", index))
         for name in study.rare.reseed
@@ -215,7 +216,8 @@ def _set_level(splitting: Splitting, pilot: Estimate, flown: list[tuple[Way, Rec
     pilot.ways = [way for way, _ in entrances]
     pilot.reached.append(len(entrances))
     if level != splitting.goal:
-        # These missions saved no state at the level, which was unknown when they ran. Each runs to the level again.
+        # The entrances saved no state at the level, because it was not known before. Each must run to the level again, which counts as
+        # simulated time.
         pilot.simulated_s += [record["simulated_time"] for _, record in entrances]
 
 
@@ -269,7 +271,7 @@ def _write(space: Space, folder: pathlib.Path, estimates: list[Estimate], units:
 
 
 def _answer(study: Study, estimates: list[Estimate]) -> list[float | None]:
-    """Returns the mean, its interval and its relative standard error."""
+    """Returns the mean probability of the estimates, both ends of its interval, and its relative standard error."""
     moments = Moments().add(one.probability(study) for one in estimates)
     low, high = student(moments, study.error)
     relative = moments.deviation / math.sqrt(moments.count) / moments.mean if moments.mean > 0 and moments.count > 1 else None

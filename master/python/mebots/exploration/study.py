@@ -53,7 +53,7 @@ class Objective:
 
 @dataclasses.dataclass(frozen=True)
 class Constraint:
-    """A design is feasible only if its share or mean of ``label`` is on this side of ``bound``."""
+    """A design is feasible only if its share or mean of ``label`` is above ``bound``, or below it if ``above`` is false."""
 
     label: str
     above: bool
@@ -118,7 +118,7 @@ class Study:
     results: bool
 
     def write(self, folder: pathlib.Path) -> None:
-        """Writes the study for `--status` and for later calls."""
+        """Writes the study into the folder. `--status` and later calls read it."""
         write_whole(folder / NAME, [(self.text + "\n").encode()])
 
     def is_another_in(self, folder: pathlib.Path) -> bool:

@@ -37,7 +37,7 @@ MISSING_MESSAGE = "no result: the same command runs the mission again"
 
 
 def values_text(values: Values) -> str:
-    """Returns the cells of factors or draws, each with a comma after it."""
+    """Returns the values of factors or draws as CSV cells, each followed by a comma."""
     return "".join([csv_text([cell(value)]) + "," for value in values.values()])
 
 

@@ -77,12 +77,14 @@ class Worker:
         return self._was_clean
 
     def use_folder(self, folder: str) -> None:
-        """Sets the folder for temporary files. After a fork, keeps the files of the other process."""
+        """Sets the folder for temporary files. A fork calls this function, and must not delete the files of the process from which it was
+        forked."""
         self._folder = folder
         self._own_files.clear()
 
     def answer(self, order: Order) -> dict[str, Any]:
-        """Returns the record of a mission. For an order with ``check``, returns only the error, and its variable in ``about``."""
+        """Runs a mission and returns its record. For an order with ``check``, only checks the mission at its start; the record then
+        contains the error, and in ``about`` the variable that caused it."""
         self.free_instances()
         self._about = ""
         record: dict[str, Any] = {"mission": order.get("mission", ""), "flown_by": order.get("build", ""), "outcome": "failed", "error": "", "code": ""}
@@ -116,7 +118,8 @@ class Worker:
         self._open.pop(_config_of(order), None)
 
     def free_instances(self) -> list[tuple[str, bool]]:
-        """Frees the instances of the last mission. Returns the FMUs that are not clean, and whether they ran in this process."""
+        """Frees the instances of the last mission. Returns the FMUs that are not clean because they may have left data that affect later
+        missions, and whether they ran in this process."""
         flown, self._flown = self._flown, None
         leftovers = [] if flown is None else flown.free_instances()
         self._was_clean = self._was_clean and not any(in_process for _, in_process in leftovers)
@@ -155,7 +158,7 @@ class Worker:
         return mission
 
     def _check(self, mission: Mission, order: Order) -> None:
-        """Checks everything that the order requests at the start."""
+        """Starts the mission, and tries what the order does later: reads its variables, writes its values and saves the state."""
         mission.start()
         scores = [turn["place"]["score"][0] for turn in order["course"] if "score" in turn["place"]]
         for name in (*order["finals"], *scores):
@@ -172,8 +175,8 @@ class Worker:
                 mission.save_state()  # raises InputError if an FMU keeps data outside its instances
 
     def _follow(self, mission: Mission, order: Order) -> None:
-        """Continues from the last saved state of the order's course. Then applies the following places of the course that the mission
-        reaches."""
+        """Continues from the state that was saved at the latest possible turn of the order's course. Then writes the values of this turn,
+        and of each later turn that the mission reaches."""
         course = order["course"]
         if not course:
             return
@@ -185,8 +188,8 @@ class Worker:
             self._go_on(mission, course, begin, state)
 
     def _last_state(self, course: list[dict[str, Any]]) -> tuple[int, bytes | None]:
-        """Returns the number of the last turn with a saved state, and the state; 0 and None without one. A turn is a place at which inputs
-        change (missions.Turn)."""
+        """Returns the index of the last turn of ``course`` with a saved state, and this state. Without a saved state, returns 0 and None. A
+        turn is a place at which inputs change (missions.Turn)."""
         for number in range(len(course) - 1, -1, -1):
             state = self._pasts.find(course[number]["past"])
             if state is not None:
@@ -260,7 +263,7 @@ def _write(mission: Mission, values: dict[str, Any]) -> None:
 
 
 def _go_to(mission: Mission, place: dict[str, Any]) -> bool:
-    """Runs to a place. Returns False if the mission ended before."""
+    """Runs to the time or the level that ``place`` defines (missions.Turn). Returns False if the mission ended before."""
     if "at" in place:
         mission.run_until(place["at"])
         return not mission.ended
@@ -308,7 +311,8 @@ def _without_paths(text: str, order: Order) -> str:
 
 
 class _Pipes:
-    """The channels for orders and records, which all processes of a worker share. ``life`` closes when no more records are needed."""
+    """The pipes of a worker, which its forks share: orders arrive on standard input, and records are written to ``records``. The pipe
+    ``life`` is closed when the parent needs no more records."""
 
     def __init__(self, life: int, out: int, folder: str) -> None:
         self.life = life
@@ -321,7 +325,8 @@ class _Pipes:
         os.close(nothing)
 
     def orders(self) -> Iterator[Order]:
-        """Yields orders. The parent sends an order after the previous record, so that no process reads an order too early."""
+        """Yields orders. The processes of a worker read the same pipe, one process at a time. The parent sends an order only after the
+        record of the previous order, so that a process never reads an order for the next process."""
         text = b""
         while block := os.read(self._orders, 1 << 16):
             text += block
@@ -340,7 +345,8 @@ class _Pipes:
 
 
 def _end_with(life: int, parent: int, folder: str) -> None:
-    """Ends this process when its parent ends. If no more records are needed, also deletes all temporary files."""
+    """Waits until the pipe ``life`` or ``parent`` is closed. Then ends this process. If ``life`` is closed, no more records are needed, so
+    also deletes all temporary files."""
     if life in select.select([life, parent], [], [])[0]:
         for _ in range(_TRIES_TO_REMOVE):  # a mission may still write its state
             shutil.rmtree(folder, ignore_errors=True)
@@ -358,7 +364,8 @@ def _answer(worker: Worker, order: Order) -> dict[str, Any]:
 
 
 def _fly_while_clean(worker: Worker, order: Order, pipes: _Pipes) -> None:
-    """Executes orders until a mission leaves data in the process."""
+    """Executes this order and further orders from the pipe until a mission leaves data in the process, or until an error in MEbots
+    occurs."""
     process = os.getpid()
     for each in itertools.chain([order], pipes.orders()):
         record = _answer(worker, each)
@@ -371,7 +378,8 @@ def _fly_while_clean(worker: Worker, order: Order, pipes: _Pipes) -> None:
 
 
 def _fly_in_fork(worker: Worker, order: Order, pipes: _Pipes) -> int:
-    """Executes the order, and possibly more, in a fork. Returns its exit status; 0 after a normal end."""
+    """Executes the order in a fork of this process. While its missions leave no data, the fork also executes further orders. Returns its
+    exit status; 0 after a normal end."""
     folder = tempfile.mkdtemp(prefix="flights-", dir=pipes.folder)
     well, told = os.pipe()
     parent, ours = os.pipe()
@@ -401,7 +409,7 @@ def _fly_in_fork(worker: Worker, order: Order, pipes: _Pipes) -> int:
 
 
 def _end_as(status: int) -> NoReturn:
-    """Ends this process like its fork, so that the reader of records sees this end."""
+    """Ends this process with the exit code or signal of its fork, so that the reader of the records sees it."""
     if os.WIFSIGNALED(status):
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
         signal.signal(os.WTERMSIG(status), signal.SIG_DFL)

@@ -70,12 +70,14 @@ def timestamp(time_ns):
 
 
 def path_of(variable):
-    """Returns the path of a variable in its instance's message."""
+    """Returns the keys of a variable in the message of its instance, one for each part of the name. `rotor[1].speed` gives `rotor_1` and
+    `speed`."""
     return [re.sub(r"\[([^\]]*)\]", r"_\1", step).replace(",", "_") for step in variable.split(".")]
 
 
 def put(message, path, value):
-    """Sets a value. If a name starts another name (`power`, `power.l2`), its own value is in `value`."""
+    """Sets the value at a path of nested dicts. If one name is the beginning of another (`power`, `power.l2`), its value gets the key
+    `value` in the dict `power`."""
     for step in path[:-1]:
         inner = message.setdefault(step, {})
         if not isinstance(inner, dict):

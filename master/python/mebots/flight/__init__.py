@@ -11,12 +11,12 @@
     airframe airframe files and their data files
     traces   runs the FMUs with a log's commands
     inverse  computes commands for a log that has none
-    motion   the vertical momentum balance
-    compare  errors of the model
+    motion   the vertical forces that the measured motion requires
+    compare  errors of the models: computed minus measured values
     replay   ``mebots replay``; ``replay_page`` is its page
-    fitting  least squares, with intervals
+    fitting  fits parameters by least squares, with intervals
     cell_fit fits a cell to voltages of flights
     identify ``mebots identify``
     new_cell ``mebots new-cell``
-    command  the three commands
+    command  the command lines of the three commands
 """

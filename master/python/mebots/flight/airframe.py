@@ -35,7 +35,8 @@ class Airframe:
         return self.content[kind]
 
     def path(self, kind: str) -> str:
-        """Returns the parameter of the FMU for a part: the name of a shipped file, or an absolute path."""
+        """Returns the value of the FMU's parameter that selects the rotor, cell or drone: the name of a shipped file, or an absolute
+        path."""
         name = self.part(kind)
         return str(pathlib.Path(name).resolve()) if name.endswith(".json") else name
 

@@ -92,7 +92,7 @@ def flight_of(log: FlightLog, traces: Traces) -> Flight | None:
 
 
 def _blocks(log: FlightLog, traces: Traces, steps: int) -> Array:
-    """Returns the mean measured voltage of consecutive blocks from the start."""
+    """Returns the mean measured voltage in each of the consecutive blocks from the start of the log."""
     voltage = log["battery.voltage"]
     count = int(steps * STEP_S / BLOCK_S)
     place = np.floor((voltage.times - traces.times[0]) / BLOCK_S).astype(int)
@@ -138,7 +138,8 @@ class _Problem:
             self._write_power(number, flight)
 
     def start(self, resistances: float) -> Array:
-        """Returns start values: the given factor for the resistances, and for each flight the best charge from a list."""
+        """Returns the values at which the fit starts. The factor of the resistances is ``resistances``. The initial charge of each flight
+        is the one of ``_CHARGES`` with the smallest errors."""
         values = np.zeros(int(self.starts[-1]) + self.flights[-1].unknowns)
         for i, name in enumerate(self.free):
             values[i] = 0.0 if name == "capacity" else np.log(resistances)
@@ -207,7 +208,7 @@ class _Problem:
         per_block = round(BLOCK_S / STEP_S)
         earlier = round(before_s / STEP_S)
         content = json.loads(cell.read_text(encoding="utf-8"))
-        # The charge drawn before, at about the mean voltage of the log.
+        # The charge drawn before the log begins, relative to the capacity. Uses the mean voltage of the log for this time.
         drawn = before_s * float(flight.power_w[:per_block].mean()) / float(np.nanmean(flight.voltage_v)) / capacity_c(content)
         mission = self.folder / f"flight{number}.json"
         config = {
@@ -231,7 +232,7 @@ class _Problem:
         return voltage_v[: count * per_block].reshape(count, per_block).mean(axis=1)
 
     def _write_power(self, number: int, flight: Flight) -> None:
-        """Writes the power of a flight to a file. Extends it into the past with the mean power of the first seconds."""
+        """Writes the power of a flight to a file. Before the flight, the power is the mean of the flight's first seconds."""
         times = np.r_[-2 * _LONGEST_S, np.arange(len(flight.power_w)) * STEP_S]
         rows = np.column_stack([times, np.r_[flight.power_w[: round(SETTLE_S / STEP_S)].mean(), flight.power_w]])
         np.savetxt(self.folder / f"power{number}.csv", rows, fmt="%.9g", delimiter=",", header="time,power", comments="")

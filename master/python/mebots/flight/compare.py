@@ -43,7 +43,7 @@ COMMANDS_ONLY, MEASURED_VOLTAGE, MEASURED_SPEEDS = "commands", "commands, measur
 
 
 def row(quantity: str, unit: str, model: str, computed: Array, measured: Array, excluded: int) -> ErrorRow | None:
-    """Returns the errors of a quantity, or None if there is nothing to compare."""
+    """Returns the statistics of the errors ``computed`` - ``measured``, or None without values."""
     if not len(measured):
         return None
     error = computed - measured
@@ -64,8 +64,8 @@ def errors(raw: FlightLog, log: FlightLog, traces: Traces, motion: Motion | None
 
 
 def thrusts(traces: Traces, log: FlightLog) -> Iterator[tuple[str, Array, Mask]]:
-    """Yields the thrust of all rotors at the times of the traces, and the times at which it is known, by three methods: by the commands, at
-    the measured voltage, and by the measured speeds."""
+    """Yields the thrust of all rotors at the times of the traces, by up to three methods: from the commands alone, at the measured voltage,
+    and from the measured speeds. Each item contains the method, the thrust, and a mask of the times at which it is known."""
     everywhere = np.ones(len(traces.times), bool)
     yield COMMANDS_ONLY, traces.thrust_n(), everywhere
     if traces.has_measured_voltage:
@@ -77,7 +77,8 @@ def thrusts(traces: Traces, log: FlightLog) -> Iterator[tuple[str, Array, Mask]]
 
 
 def _at_measured_speed(traces: Traces, speed: Signal, rotor: int) -> Array:
-    """Returns the thrust of a rotor: the square of its measured speed times the model's factor at that time."""
+    """Returns the thrust of a rotor at its measured speed: the model's thrust at that time, scaled by the square of the measured speed
+    divided by the model's speed."""
     own = f"{'motors_at_measured' if traces.has_measured_voltage else 'motors'}.rotor[{rotor}]"
     turning = np.maximum(traces[f"{own}.speed"], 1.0)
     return traces[f"{own}.thrust"] * (np.interp(traces.times, speed.times, speed.values) / turning) ** 2

@@ -153,7 +153,8 @@ def _hash(file: str | os.PathLike[str]) -> str:
 
 @dataclasses.dataclass(frozen=True)
 class _Balance:
-    """Vertical forces in windows of all flights: those of the base's rotors, and those that the motion requires for the base's mass."""
+    """Vertical forces in the windows of all flights: the thrust of the base airframe's rotors, the thrust that the measured motion requires
+    for the base airframe's mass, and the drag."""
 
     model_n: np.ndarray
     needed_n: np.ndarray
@@ -213,7 +214,8 @@ def _widened(low: float, high: float, value: float, quantity: dict[str, Any]) ->
 
 
 def _mass_of(base: Airframe) -> dict[str, Any]:
-    """Returns the mass of the whole drone. The interval is that of the weighing, or that in the airframe file."""
+    """Returns the mass of the whole drone with its interval: that of the scale if the drone was weighed, otherwise that in the airframe
+    file."""
     if base.weighed_kg is not None:
         below = above = SCALE_KG
     else:
@@ -238,7 +240,8 @@ def _fit_thrust(
     old = rotor["thrust_coefficient"]["value"]
     factor = float(fit.values[0])
     low, high = _widened(*fit.interval(0), factor, _mass_of(base))
-    # At the same speed, the drag torque increases in proportion to the thrust.
+    # Multiplies the thrust by the factor. Divides torque and power per thrust by it, so that drag torque and power at a given speed stay
+    # the same.
     rotor["thrust_coefficient"] = {
         "value": factor * old,
         "unit": "N.s2/rad2",
@@ -265,7 +268,8 @@ def _fit_thrust(
 
 def _fit_mass(base: Airframe, flown: Sequence[_Flown], source: str, new: dict[str, Any], result: Identified) -> None:
     balance = _balance(flown)
-    # In F - c v = m (g + a), `needed` - c v is the right-hand side for the base's mass.
+    # In the momentum balance F - c v = m (g + a), F is `model_n` and c v is `drag_n`. `needed_n` - `drag_n` is m (g + a) for the base
+    # airframe's mass.
     fit = _ratio(balance.needed_n - balance.drag_n, balance.model_n - balance.drag_n, balance.clusters)
     factor = float(fit.values[0])
     low, high = _widened(*fit.interval(0), factor, base.data("rotor")["thrust_coefficient"])

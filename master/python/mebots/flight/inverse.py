@@ -50,8 +50,8 @@ def with_commands(log: FlightLog, airframe: Airframe) -> FlightLog:
 
 
 def _smooth(duty: Array) -> Array:
-    """Returns the mean over ``RAMP_S`` around each sample. Removes steps: a height shows when a drone leaves the ground, but not how its
-    motors start."""
+    """Returns the mean over ``RAMP_S`` around each sample, which smooths the take-off: the log shows when the drone leaves the ground, but
+    not how its motors start."""
     width = round(RAMP_S / INTERVAL_S)
     padded = np.pad(duty, (width // 2, width - 1 - width // 2), mode="edge")
     return np.convolve(padded, np.full(width, 1 / width), mode="valid")

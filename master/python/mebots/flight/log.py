@@ -109,7 +109,7 @@ class FlightLog:
 def log_of(file: pathlib.Path, kind: str, signals: Iterable[Signal], notes: Iterable[str] = ()) -> FlightLog:
     """Creates a log with times from 0. Raises InputError without samples."""
     filled = [one for one in signals if len(one)]
-    # Omits messages without a known signal, which may have another clock.
+    # Uses only signals with known names for the start time, because other messages of the log may have another clock.
     clocks = [one for one in filled if one.name in UNITS] or filled
     finite = [float(one.times[np.isfinite(one.times)].min()) for one in clocks if np.isfinite(one.times).any()]
     if not finite:

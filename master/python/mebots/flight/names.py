@@ -52,7 +52,7 @@ CRAZYFLIE: dict[str, Meaning] = (
 
 
 def signal_of(column: str, meaning: Meaning, times: Array, values: Array) -> Signal:
-    """Returns the known signal of a column in the signal's unit."""
+    """Returns the signal that the mapping assigns to a column, converted to the signal's unit."""
     unit = UNITS[meaning.signal]
     return Signal(meaning.signal, unit, times, values * (_mebots.log_unit_factor(meaning.unit, unit) * meaning.scale), column)
 

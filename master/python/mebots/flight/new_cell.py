@@ -83,7 +83,7 @@ def new_cell(
 
 
 def _digits(value: float) -> float:
-    """Returns half a unit of the last printed digit."""
+    """Returns half a unit of the last digit with which ``value`` is printed."""
     text = f"{value:.12f}".rstrip("0")
     places = len(text.partition(".")[2])
     return 0.5 * 10.0**-places

@@ -126,7 +126,7 @@ def gap_limit_s(signal: Signal) -> float:
 
 
 def covered(signal: Signal, times: Array) -> Mask:
-    """True for times between two samples without a gap."""
+    """True for each time between two successive samples, unless there is a gap between them."""
     if len(signal) < 2:
         return np.zeros(len(times), bool)
     after = np.clip(np.searchsorted(signal.times, times, side="right"), 1, len(signal) - 1)
@@ -186,7 +186,7 @@ def _require_possible(log: FlightLog, signal: Signal, bad: Mask, cells: int | No
 
 
 def _runs(same: Mask) -> Iterator[tuple[int, int]]:
-    """Yields first and last sample of each run of true entries. Entry i compares the samples i and i + 1."""
+    """Yields the first and last sample of each run of samples that ``same`` marks. Entry i of ``same`` is for the samples i and i + 1."""
     edges = np.flatnonzero(np.diff(np.r_[False, same, False].astype(np.int8)))
     return zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True)
 

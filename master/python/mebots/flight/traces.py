@@ -39,7 +39,8 @@ _DIGITS = 12
 
 @dataclasses.dataclass(frozen=True)
 class Traces:
-    """Computed values at ``times`` (seconds since the start of the log), and the times at which they can be compared."""
+    """The values that the models computed at ``times`` (seconds since the start of the log). ``good`` is True for times that can be
+    compared with the log."""
 
     times: Array
     good: Mask
@@ -120,7 +121,8 @@ class _Flight:
         return Traces(times, good, logged, values, charge, self.settle_s, self.notes, float(values["battery.cell.capacity"][0]), cut_off_s)
 
     def _begin(self) -> tuple[float, float]:
-        """Returns the end of the first part, which is not compared, and the end of the part to which the charge is fitted."""
+        """Returns two times: the end of the log's first part, which is not compared with the model, and the end of the part that determines
+        the initial charge."""
         driven = np.max([np.interp(self.grid, self.log[name].times, self.log[name].values) for name in COMMANDS], axis=0) > DRIVEN
         if not driven.any():
             self.notes.append(f"no command is above {DRIVEN:g}: the motors never start; check the unit of the commands in the mapping if they did")

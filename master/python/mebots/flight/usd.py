@@ -40,7 +40,7 @@ class _Kind:
 
 
 class _Reader:
-    """Reads numbers and names in order, and stores the current position."""
+    """Reads numbers and names of the log one after the other. ``at`` is the position of the next byte."""
 
     def __init__(self, file: pathlib.Path, data: bytes) -> None:
         self.file, self.data, self.at = file, data, 0

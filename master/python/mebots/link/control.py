@@ -47,7 +47,7 @@ class PositionLoop:
         self._climbed_to_m: float | None = None
 
     def update(self, setpoint: Setpoint, now: Readings, level_out: bool) -> Inputs:
-        """Returns the inputs for the next period.
+        """Returns the inputs of the simulated drone for the next period.
 
         :param level_out: keep the present velocity, which keeps the drone level.
         """

@@ -94,7 +94,7 @@ class HighLevel:
         return self._vertical(self._timed(values, -1.0, "vland"), time_s, self._planner.land)
 
     def _timed(self, values: tuple, direction: float, default: str) -> tuple:
-        """Returns the values of a command with a duration in place of the speed."""
+        """Converts the values of a take-off or landing that states a speed to those with a duration."""
         group, height_m, relative, yaw_rad, keeps_yaw, speed_m_per_s = values
         now_m = self._planner.last.position_m[2]
         if relative:

@@ -19,8 +19,8 @@ class State(enum.Enum):
 
 
 class Planner:
-    """The state of the planner, and the last goal, at which new paths start. Without an active path, ``rest`` sets the goal to the drone's
-    current state."""
+    """The state of the planner, and its last goal. New paths start at this goal. Without an active path, ``rest`` sets the goal to the
+    drone's current state."""
 
     def __init__(self) -> None:
         self.state = State.IDLE
@@ -97,7 +97,7 @@ class Planner:
         yaw_rad = wrapped(begin.yaw_rad)
         turn_rad_per_s = -sense * angle_rad / duration_s
         growth_m_per_s = (last_m - first_m) / duration_s
-        # Angle from the nose to the direction from the centre to the drone.
+        # Angle from the drone's heading to the direction that leads from the centre of the spiral to the drone.
         lead_rad = (math.pi if clockwise else 0.0) if sideways else 0.5 * math.pi * sense
         ends = []
         for radius_m, heading_rad in ((first_m, yaw_rad), (last_m, yaw_rad - sense * angle_rad)):

@@ -140,7 +140,7 @@ def _flat(now: Readings) -> tuple[float, ...]:
 
 
 def _offsets(config: Mapping[str, Any], parts: list[Parts], distance_m: float) -> dict[str, Scalar]:
-    """Returns start offsets that place these drones next to those of the first run."""
+    """Returns start offsets that place the drones of another run next to those of the first run, at ``distance_m`` along y."""
     offsets: dict[str, Scalar] = {}
     for one in parts:
         name = one.variable("start.offset.y")
@@ -150,7 +150,7 @@ def _offsets(config: Mapping[str, Any], parts: list[Parts], distance_m: float) -
 
 
 def _check_step(mission: Mission, file: str) -> None:
-    """Raises InputError unless each period ends at a communication point."""
+    """Raises InputError unless ``PERIOD_MS``, the period of the controller, is a multiple of the communication step."""
     steps = PERIOD_MS / 1000.0 / mission.step_size
     if abs(steps - round(steps)) > 1e-9 or round(steps) < 1:
         raise InputError(

@@ -128,7 +128,7 @@ class Supervisor:
     def update(self, now: Readings, setpoint_age_ms: int, limits_ms: tuple[float, float], checks_tumbling: bool, now_ms: int) -> str | None:
         """Updates the state. If it changes, returns a text for the console.
 
-        :param limits_ms: longest times armed before a flight, and after a landing.
+        :param limits_ms: longest times for which the drone stays armed on the ground: before a flight, and after a landing.
         """
         if now.motors_run:
             self._thrust_ms = now_ms
@@ -163,7 +163,8 @@ class Supervisor:
         return since_ms > _TILTED_MS or (z < _UPSIDE_DOWN_G and since_ms > _UPSIDE_DOWN_MS)
 
     def _next(self, flying: bool, stop: bool, age_ms: int, limits_ms: tuple[float, float], now_ms: int) -> State | None:
-        """Returns the next state, or None if it stays the same. The first true condition determines the state."""
+        """Returns the state that follows the current state, or None if it stays the same. The first transition of the current state whose
+        condition is true is taken."""
         timed_out = age_ms > TIMEOUT_MS
         transitions: dict[State, tuple[tuple[bool, State], ...]] = {
             State.CHECKS_NOT_PASSED: ((stop, State.FREE_FALL), (not self.tumbled, State.CHECKS_PASSED)),

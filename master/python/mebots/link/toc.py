@@ -18,7 +18,7 @@ class Toc:
     """A table in protocol version 2. The checksum covers names and types, because clients cache tables by checksum.
 
     :param entries: group, name and type byte of each variable, in the order of their numbers.
-    :param limits: bytes after the checksum in the answer about the whole table.
+    :param limits: bytes that follow the checksum in the answer to a request for the table's size and checksum.
     """
 
     def __init__(self, entries: Sequence[tuple[str, str, int]], limits: bytes = b"") -> None:

@@ -40,10 +40,10 @@ class Ends(NamedTuple):
 
 
 def between(start: Ends, end: Ends, duration_s: float) -> list[float]:
-    """Returns the coefficients of the polynomial of degree 7 between two ends without jerk, in ascending order.
+    """Returns the coefficients of the polynomial of degree 7 from ``start`` to ``end`` in ascending order. The jerk is zero at both ends.
 
     With s = t / T and d = end - (start + v s T + a (s T)^2 / 2) and its derivatives at s = 1, d0, d1, d2, the terms of degree 4 to 7 in s
-    solve p(1) = d0, p'(1) = d1, p''(1) = d2, p'''(1) = 0. With a duration of 0, returns the constant end.
+    solve p(1) = d0, p'(1) = d1, p''(1) = d2, p'''(1) = 0. With a duration of 0, returns a polynomial that starts at ``end``.
     """
     if not duration_s > 0.0:
         return [end.value, end.rate, 0.5 * end.acceleration, 0.0, 0.0, 0.0, 0.0, 0.0]
@@ -83,7 +83,7 @@ class Piece(NamedTuple):
 
     @staticmethod
     def unpack(data: bytes | bytearray) -> Piece:
-        """Returns the piece in ``PIECE_BYTES`` of an uploaded trajectory."""
+        """Reads a piece from ``PIECE_BYTES`` bytes of an uploaded trajectory: the coefficients for x, y, z and yaw, and the duration."""
         numbers = struct.unpack(f"<{4 * COEFFICIENTS + 1}f", data)
         x, y, z, yaw = (numbers[COEFFICIENTS * i : COEFFICIENTS * (i + 1)] for i in range(4))
         return Piece((x, y, z, yaw), numbers[-1])
