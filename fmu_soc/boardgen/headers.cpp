@@ -42,7 +42,7 @@ std::string c_header(const BoardDescription& board) {
       out << fmt::format("#define {}_OPCODE_{} {}  // into {}: {}\n", name, macro_case(opcode.name), opcode.value,
                          opcode.register_name, opcode.text);
     }
-    // A C++ device model with a register `status` uses the same bits.
+    // The device sets these bits in a register that shows `status`. A C++ model of the device must use the same bits.
     if (std::ranges::any_of(device.registers, [](const auto& reg) { return reg.shows == "status"; })) {
       using Described = soc::DescribedDevice;
       out << fmt::format("#define {0}_STATUS_BUSY {1}\n#define {0}_STATUS_READY {2}\n#define {0}_STATUS_REFUSED {3}\n",

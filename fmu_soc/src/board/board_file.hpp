@@ -72,8 +72,8 @@ struct BoardDescription {
   std::vector<BoardDevice> devices;
   std::vector<BoardAbsence> absent;
   BoardSupply supply;
-  /// Name of the device, or of the uDMA's peripheral (spim0, spim1), that sends set-points. Sending them ends a
-  /// decision about a picture. Empty if the board has no such device.
+  /// Name of the device, or of the uDMA's peripheral (spim0, spim1), that sends set-points. When it sends them, the
+  /// program's decision about a picture ends: see Decisions. Empty if the board has no such device.
   std::string decisions_end_with;
   /// File names of shared libraries that implement further kinds of devices. They are searched in `folder` and in
   /// Settings::library_folders.

@@ -20,7 +20,8 @@
 namespace mebots::soc {
 namespace {
 
-/// Greatest energy of an instruction relative to the reference. A block's sum then fits in 32 bits of femtojoules.
+/// Maximum energy of an instruction, relative to the reference instruction. With this maximum, the sum of the energies
+/// of a block [fJ] fits in 32 bits.
 constexpr double kMostWeight = 100;
 
 /// Returns the class of instructions with the energy of this operation. GAP8's cores have no floating-point unit, so

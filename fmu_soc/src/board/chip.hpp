@@ -56,7 +56,7 @@ struct Chip {
 /// Parses a chip file. Throws Error that names the file `name` and lists all mistakes.
 Chip parse_chip(const std::string& json_text, const std::string& name);
 
-/// Returns the chip of the AI-deck.
+/// Returns GAP8, the chip of the AI-deck.
 const Chip& gap8();
 /// Returns GAP8 with energies that were calibrated on currents of a GAPuino.
 const Chip& gap8_silicon();

@@ -150,7 +150,7 @@ BoardEnumeration read_enumeration(const std::string& name, const Node& node) {
 /// Minimum delay of a state. With shorter delays, a cycle of states could keep the simulation at one time.
 constexpr double kLeastDelayS = 1e-6;
 
-/// Returns the node of the longest prefix of the keys that exists, for error messages.
+/// Follows the keys from `node` as far as they exist, and returns the last node found. Used for error messages.
 Node nearest(const Node& node, std::initializer_list<std::string_view> keys) {
   Node found = node;
   for (const auto key : keys) {
@@ -178,8 +178,8 @@ std::vector<std::string> numbers_of(const BoardDevice& device, bool inputs) {
   return names;
 }
 
-/// Checks a register that sends a variable. This variable must be an output, and a store into the register must have no
-/// other effect.
+/// Checks a register with the key `sends`. The key must name an output of the device, and a store into the register
+/// must have no other effect.
 void check_sender(const Node& node, const BoardDevice& device, const BoardRegister& reg) {
   const auto entry = entry_of(node, reg);
   if (reg.access == "r" || !reg.shows.empty()) {
@@ -195,7 +195,8 @@ void check_sender(const Node& node, const BoardDevice& device, const BoardRegist
   }
 }
 
-/// Checks a register that shows a variable: an input or parameter of the device, or a parameter of the chip.
+/// Checks a register with the key `shows`. The key must name an input or parameter of the device, or a parameter of the
+/// chip.
 void check_display(const Node& node, const BoardDevice& device, const BoardRegister& reg) {
   const auto entry = entry_of(node, reg);
   auto known = numbers_of(device, true);
@@ -225,8 +226,8 @@ void check_outputs(const Node& node, const BoardDevice& device) {
   }
 }
 
-/// Checks a register that commits. Another register must send a variable, and a store into this register must have no
-/// other effect.
+/// Checks a register with the key `commits`. Another register of the device must have the key `sends`, and a store into
+/// the register that commits must have no other effect.
 void check_commit(const Node& node, const BoardDevice& device, const BoardRegister& reg) {
   const auto entry = entry_of(node, reg);
   const bool takes_opcodes =

@@ -49,8 +49,8 @@ inline auto new_name(std::set<std::string>& taken) {
   };
 }
 
-/// Reads an entry of a device or a part. Reports keys that such an entry cannot have. `names` collects the names of the
-/// list.
+/// Reads an entry of a device or a part. Reports keys that such an entry cannot have. `names` contains the names of the
+/// previous entries in the same list, and receives the name of this entry.
 BoardDevice read_device(const data::Node& node, std::set<std::string>& names);
 
 }  // namespace mebots::soc

@@ -25,11 +25,11 @@ struct Settings {
   /// FMU's input.
   std::vector<std::vector<std::uint8_t>> pictures = {};
   bool translate = true;  // true: hot code is translated; results do not depend on this setting
-  /// HartSettings::keeps_written_mtvec of the fabric controller.
+  /// Value of HartSettings::keeps_written_mtvec for the fabric controller.
   bool keeps_written_mtvec = false;
 };
 
-/// A parameter of the chip that firmware can read through a register of a described device.
+/// A parameter of the chip that firmware can read through a register of a device that has no C++ code.
 struct ChipSetting {
   std::string_view variable;
   double Settings::*value;

@@ -118,8 +118,8 @@ bool Cluster::core_stopped(ClusterCore& core, Stop stop) {
   if (stop == Stop::sleeping) note_asleep(core.tick());
   if (stop != Stop::fault && stop != Stop::watch && stop != Stop::observer) return true;
   has_news_ = true;
-  // The other cores run to the end of the quantum and may stop at an earlier tick. The stop at the earliest tick
-  // counts. After an observer has ended the run at one core, stops of other cores are ignored.
+  // The other cores still run to the end of the quantum, and may stop at an earlier tick. Only the earliest stop is
+  // recorded. Exception: after an observer has ended the run at one core, stops of other cores are ignored.
   const auto time = clock_.time_of(core.tick());
   if (core_stopped_by_observer_ >= 0 || ((faulted_core_ >= 0 || stopped_) && stop_time_ <= time)) return false;
   const auto id = static_cast<std::int32_t>(core.id());

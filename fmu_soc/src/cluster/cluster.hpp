@@ -34,8 +34,8 @@ class Cluster final : private ClusterBus, private ClusterEvents {
   Cluster(const Cluster&) = delete;
   Cluster& operator=(const Cluster&) = delete;
 
-  /// Sets the function that is called after a core has stored into a watched word. The run ends if the function returns
-  /// true.
+  /// Sets the function that is called after a core has stored into a word that the host watches, such as `tohost`. The
+  /// run ends if the function returns true.
   void set_watcher(std::function<bool(std::uint32_t address)> watcher) { watcher_ = std::move(watcher); }
 
   /// Performs an access of a core at time `now` to an address outside memory and outside the cluster's registers. The
@@ -55,7 +55,7 @@ class Cluster final : private ClusterBus, private ClusterEvents {
   void set_clock(Picoseconds now, std::uint32_t hz);
   std::uint32_t clock_hz() const { return clock_.hz(); }
   const std::vector<MemoryPort>& ports() const { return settings_.ports; }
-  /// Sets the latencies. Must be called between quanta.
+  /// Sets the latencies of the cluster's accesses to the SoC. Must be called between quanta.
   void set_latencies(const ClusterLatencies& latencies);
 
   /// Returns the time of the cluster's next activity. Returns kNever if the cluster is off or has stopped the run, or
@@ -66,7 +66,8 @@ class Cluster final : private ClusterBus, private ClusterEvents {
     return clock_.time_of(clock_.first_at(time) + ticks);
   }
   /// Runs quanta up to `until`, which must be after next(). Returns earlier if the next quantum would start after
-  /// `last`, if an event for the rest of the chip has occurred, or if a core has reached `cycle_limit` active cycles.
+  /// `last`, if an event has occurred that affects the rest of the chip, or if a core has reached `cycle_limit` active
+  /// cycles.
   void advance(Picoseconds until, Picoseconds last, std::uint64_t cycle_limit);
 
   /// Accesses of the fabric controller to the cluster's registers. owns() returns true if the cluster has registers at
@@ -79,8 +80,8 @@ class Cluster final : private ClusterBus, private ClusterEvents {
   /// Returns true if the event load for which the fabric controller waits can now complete. Returns true only once for
   /// each event load.
   bool take_fabric_wake();
-  /// Returns the time of the last event for the rest of the chip: a rise of the interrupt line, the completion of the
-  /// fabric controller's event load, or an access of a core outside the cluster.
+  /// Returns the time of the last event that affects the rest of the chip: a rise of the interrupt line, the completion
+  /// of the fabric controller's event load, or an access of a core outside the cluster.
   Picoseconds fabric_event_time() const { return fabric_event_time_; }
   bool interrupt() const { return powered() && peripherals_->interrupt(); }
 
@@ -97,7 +98,7 @@ class Cluster final : private ClusterBus, private ClusterEvents {
   Picoseconds reached() const;
   /// Returns the start time of the next instruction of the core that faulted or stopped the run.
   Picoseconds stop_time() const { return stop_time_; }
-  /// Sets the observer of a core; null removes it. The observer is not part of a state.
+  /// Sets the observer of a core; null removes it. The observer is not part of a saved state.
   void observe(unsigned core, Observer* observer);
   /// Returns the sum of all cores' counters since reset of the chip.
   Counters counters() const;
@@ -110,7 +111,7 @@ class Cluster final : private ClusterBus, private ClusterEvents {
   Picoseconds busy_time(Picoseconds now) const { return busy_.up_to(now); }
   /// Returns the core that stopped because of a fault, or -1 if no core did.
   int faulted_core() const { return faulted_core_; }
-  /// Returns true if a store into a watched word ended the run.
+  /// Returns true if a store into a word that the host watches, such as `tohost`, ended the run.
   bool stopped() const { return stopped_; }
   /// Returns the core whose observer ended the run, or -1 if no observer did.
   int core_stopped_by_observer() const { return core_stopped_by_observer_; }

@@ -21,11 +21,13 @@ class ClusterBus {
  public:
   virtual ~ClusterBus() = default;
   virtual BusReply access(const ClusterAccess& access) = 0;
-  /// True if the only core that is awake may access shared devices in this tick without a permission.
+  /// Returns true if exactly one core is awake, and this core may access shared devices in this tick without waiting
+  /// for grant_turn().
   virtual bool permits_at_once(std::uint64_t tick) = 0;
   /// Called when a core takes the interrupt of a line. Returns the lines that are pending afterwards.
   virtual std::uint32_t interrupt_taken(unsigned core, unsigned line) = 0;
-  /// Called after a store into a watched word. The run ends if the function returns true.
+  /// Called after a store into a word that the host watches, such as `tohost`. The run ends if the function returns
+  /// true.
   virtual bool watched(std::uint32_t address) = 0;
 };
 
@@ -101,7 +103,7 @@ class ClusterCore final : private Bus {
   }
 
   Stop run(std::uint64_t end) { return hart_.run(end - offset_); }
-  /// Records why the last run() ended.
+  /// Must be called with the reason why the last run ended.
   void stopped(Stop stop) { asleep_ = stop == Stop::sleeping; }
   bool can_resume() const { return !waits_for_turn_ && hart_.has_resume_point(); }
   /// Sets whether other cores or the DMA may use the banks of L1 at the same time as this core.

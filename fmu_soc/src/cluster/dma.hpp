@@ -34,8 +34,8 @@ struct DmaTiming {
 
 /// Moves bytes between L2 and the cluster's L1 while the cores run. Each requester has separate registers for its next
 /// transfer. A store to START queues this transfer. Transfers run one after the other, in the order of their starts. A
-/// transfer consists of bursts. A row of a 2D transfer takes at least one burst. The latency of a queued transfer
-/// overlaps with the previous transfer.
+/// transfer consists of bursts, and a burst of beats. A beat moves up to DmaTiming::bytes_per_cycle bytes. A row of a
+/// 2D transfer takes at least one burst. The latency of a queued transfer overlaps with the previous transfer.
 ///
 /// The words of a transfer claim banks of L1, as accesses of cores do. A beat waits at most one cycle for its bank.
 /// This wait also delays all later beats. When a transfer ends, all of its bytes are copied at once, and the
@@ -75,8 +75,8 @@ class ClusterDma {
     }
   };
 
-  /// Queues a transfer of the requester `who`. Chips with other DMA registers call this function directly. Returns
-  /// false without effect if the addresses are not allowed, or if all transfers are in use.
+  /// Queues a transfer for `who`, a cluster core or the fabric controller. Chips with other DMA registers call this
+  /// function directly. Returns false without effect if the addresses are not allowed, or if all transfers are in use.
   bool enqueue(unsigned who, const Draft& what, bool out, std::uint64_t tick);
   /// Returns true if one side of the transfer is in L1 and the other side in another memory.
   bool fits(const Draft& draft) const;
@@ -86,9 +86,11 @@ class ClusterDma {
   void reset();
 
   bool busy() const { return next_ != kNoTick; }
-  /// Claims the banks for all beats before `until`. Must be called before advance() is called for a tick up to `until`.
+  /// Claims the banks for all beats that start before tick `until`. Must be called before advance() is called for a
+  /// tick up to `until`.
   void occupy(Banks& banks, std::uint64_t until);
-  /// Returns the earliest tick in which a transfer can end. Exact if occupy() was called for a later tick.
+  /// Returns the earliest tick in which a transfer can end. A wait for a bank may still delay this end, unless occupy()
+  /// was called for a later tick.
   std::uint64_t next_tick() const { return next_; }
   /// Ends all transfers whose last tick is at or before `tick`, and calls the listener for each of them.
   void advance(std::uint64_t tick, TransferListener& listener);

@@ -36,10 +36,12 @@ class EventUnit {
   BusReply load_event(unsigned who, std::uint32_t offset);
   bool store(unsigned who, std::uint32_t offset, std::uint32_t value);
 
-  /// Sets the event in the buffers of all requesters whose bit is set in `targets`.
+  /// Sets the event in the buffers of all requesters whose bit is set in `targets` (0 to 7: cores, 8: fabric
+  /// controller).
   void raise(std::uint32_t targets, unsigned event);
 
-  /// Returns a mask of the requesters whose event loads have become ready since the last call.
+  /// Returns a mask of the cores whose event loads have become ready since the last call. Bit 8 is the fabric
+  /// controller.
   std::uint32_t take_woken() {
     const auto woken = woken_;
     woken_ = 0;

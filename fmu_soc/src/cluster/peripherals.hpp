@@ -54,7 +54,8 @@ struct ClusterAccess {
 };
 
 /// Registers with which cores start other cores, and wait for other cores and for the DMA. The caller must make all
-/// calls in the order of their ticks, and must query the effects after each access.
+/// calls in the order of their ticks. After each access, it must query the effects with take_started(), take_woken(),
+/// interrupt() and take_line_changes().
 class ClusterPeripherals : public TransferListener {
  public:
   ClusterPeripherals() = default;
@@ -62,12 +63,13 @@ class ClusterPeripherals : public TransferListener {
   ClusterPeripherals& operator=(const ClusterPeripherals&) = delete;
   ~ClusterPeripherals() override = default;
 
-  /// Return true if an access to this address, by a cluster core or by the fabric controller, reaches these registers.
+  /// Return true if an access to this address, by a cluster core or by the fabric controller, is an access to the
+  /// cluster's registers.
   virtual bool owns_of_core(std::uint32_t address) const = 0;
   virtual bool owns_of_fabric_controller(std::uint32_t address) const = 0;
   virtual BusReply access(const ClusterAccess& access) = 0;
-  /// Returns the tick of the registers' next event, at which advance() must be called. Only access(),
-  /// advance() and reset() change this tick.
+  /// Returns the tick of the next event of these registers, at which advance() must be called. Only access(), advance()
+  /// and reset() change this tick.
   virtual std::uint64_t next_tick() const { return kNoTick; }
   virtual void advance(std::uint64_t /*tick*/) {}
 
@@ -76,7 +78,8 @@ class ClusterPeripherals : public TransferListener {
   /// Returns a mask of the cores that were started since the last call. Each of them starts at its boot_address().
   virtual std::uint32_t take_started() = 0;
   virtual std::uint32_t boot_address(unsigned core) const = 0;
-  /// Returns a mask of the requesters whose event loads have become ready since the last call.
+  /// Returns a mask of the cores whose event loads have become ready since the last call. Bit 8 is the fabric
+  /// controller.
   virtual std::uint32_t take_woken() = 0;
   /// Returns the level of the interrupt line to the fabric controller.
   virtual bool interrupt() const { return false; }

@@ -117,7 +117,7 @@ std::uint64_t ClusterScheduler::finish_quantum(std::uint64_t end) {
     if (first >= end) return std::min({transfer, alarm_, first});
     in_step_ = false;
     auto& core = core_at(first);
-    // A core may have changed the alarm in this quantum.
+    // A core may have changed the tick of the registers' next event in this quantum.
     const auto stop = std::min(end, alarm_);
     MEBOTS_ASSERT(core.tick() < stop);
     core.grant_turn();
@@ -133,7 +133,7 @@ bool ClusterScheduler::permits_at_once(std::uint64_t tick) {
   return tick < dma_.next_tick();
 }
 
-/// Handles the registers' event that is due now.
+/// Handles the event of the cluster's registers that is due now.
 void ClusterScheduler::ring() {
   const auto tick = alarm_;
   events_.alarm_rings(tick);
@@ -157,7 +157,8 @@ void ClusterScheduler::move_banks(std::uint64_t tick) {
     if (settings_.shares_soc_port) soc_port_.move_to(tick);
     return;
   }
-  // The DMA claims no tick after the end of the last quantum. A core claims no tick after its own.
+  // `last` is the latest tick in which a bank can already be claimed. The DMA has claimed banks up to the end of the
+  // last quantum, and each core up to its present tick.
   auto last = tick + settings_.quantum;
   for (const auto* core : cores_) last = std::max(last, core->tick());
   const auto moved = banks_.start_over(tick, last);
@@ -166,8 +167,9 @@ void ClusterScheduler::move_banks(std::uint64_t tick) {
 }
 
 /// Selects the first core of the next quantum, and whether the DMA claims banks before or after the cores. Both change
-/// in every quantum. Exception: with the arbitration tree and an even number of cores, the order of DMA and cores stays
-/// the same when the first core is core 0 again. Therefore each core is first in quanta of both orders.
+/// in every quantum. Exception: with the arbitration tree and an even number of cores, the DMA keeps its place when
+/// core 0 becomes the first core. Without this exception, the DMA would always have the same place in the quanta in
+/// which a given core is first.
 void ClusterScheduler::next_in_front() {
   if (++first_core_ == cores()) first_core_ = 0;
   const bool stays = settings_.arbitration_tree && first_core_ == 0 && cores() % 2 == 0;
@@ -187,8 +189,8 @@ void ClusterScheduler::line_up(std::uint64_t end) {
   }
 }
 
-/// Queues the cores that may run without permission, starting with the first core of this quantum, and links each core
-/// to the next one.
+/// Queues the cores that need not wait for permission to access a shared device, starting with the first core of this
+/// quantum. Links each core to the next one.
 void ClusterScheduler::queue_cores(std::uint64_t end) {
   queue_.clear();
   const bool tree = settings_.arbitration_tree;
@@ -216,7 +218,7 @@ void ClusterScheduler::rotate_queue() {
   queue_.back()->hart().set_next(nullptr);
 }
 
-/// Orders the queue by the arbitration tree for this quantum. All cores must be awake.
+/// Orders the queue of this quantum: see ClusterSettings::arbitration_tree. All cores must be awake.
 void ClusterScheduler::reorder_queue() {
   Hart* behind = nullptr;
   for (auto place = cores(); place-- > 0;) {
@@ -245,7 +247,7 @@ void ClusterScheduler::run_queue(std::size_t place, std::uint64_t end) {
   }
 }
 
-/// Returns true if a round in translated code can begin with this core.
+/// Returns true if this core can run in translated code from its resume point on, followed by the next cores.
 bool ClusterScheduler::can_resume(const ClusterCore& core) {
   if (!sharing_banks_ || !core.hart().has_resume_point()) return false;
   code_.blocks.forget_if_stale();
@@ -255,8 +257,8 @@ bool ClusterScheduler::can_resume(const ClusterCore& core) {
   return false;
 }
 
-/// Handles the end of a round that began at index `place` of the queue. Returns the index at which the next round
-/// begins.
+/// Handles the end of a round: several cores have run to the end of the quantum in translated code, one after the
+/// other. The round began at index `place` of the queue. Returns the index at which the next round begins.
 std::size_t ClusterScheduler::note_round(std::size_t place, const Hart::RoundEnd& round) {
   while (place < queue_.size() && &queue_[place]->hart() != round.broke_off) ++place;
   if (round.ran) note_stop(*queue_[place++], round.stop);

@@ -20,12 +20,12 @@ namespace mebots::soc {
 class ClusterEvents {
  public:
   virtual ~ClusterEvents() = default;
-  /// Handles the event of the registers in this tick. Must set the alarm to a later tick.
+  /// Handles the event of the cluster's registers in this tick. Must set the alarm to a later tick.
   virtual void alarm_rings(std::uint64_t tick) = 0;
   /// Ends all DMA transfers whose last tick is reached.
   virtual void transfers_end(std::uint64_t tick) = 0;
   /// Called if a core stopped for another reason than its limit or a wait for its turn. If the function returns false,
-  /// the run of the chip ends after the cores that are queued in this quantum.
+  /// the run of the chip ends after the remaining cores have run in this quantum.
   virtual bool core_stopped(ClusterCore& core, Stop stop) = 0;
 };
 
@@ -57,11 +57,12 @@ class ClusterScheduler {
   /// then. Otherwise `start` must be the result of next_tick().
   std::uint64_t run_quantum(std::uint64_t start, std::uint64_t until, bool undisturbed);
 
-  /// True if the core that runs may access shared devices in this tick at once: all other cores sleep, and no event
-  /// comes before. Must be called in the order of the core's accesses.
+  /// Returns true if the running core need not wait for permission to access shared devices in this tick: all other
+  /// cores sleep, the quantum has not ended, and no event is due up to this tick. Must be called in the order of the
+  /// core's accesses.
   bool permits_at_once(std::uint64_t tick);
 
-  /// Sets the tick of the registers' next event.
+  /// Sets the tick of the next event of the cluster's registers.
   void set_alarm(std::uint64_t tick) { alarm_ = tick; }
   /// Must be called if a core may have started, woken or fallen asleep, or if its interrupts may have changed.
   void cores_changed();
@@ -101,12 +102,12 @@ class ClusterScheduler {
   std::vector<ClusterCore*> cores_;
   unsigned awake_ = 0;
   std::uint64_t alarm_ = kNoTick;  // next event of the registers
-  std::uint32_t first_core_ = 0;   // first core in the next quantum if all cores are awake
-  bool dma_first_ = false;         // true if the DMA claims banks before the cores in that quantum
-  bool sharing_banks_ = false;     // true if conflicts at the banks are possible
-  std::uint64_t end_ = 0;          // of this quantum
-  bool goes_on_ = true;            // false after the run was ended
-  /// Cores of this quantum that run without permission, in the order in which they run.
+  std::uint32_t first_core_ = 0;   // first core of the next quantum if all cores are awake
+  bool dma_first_ = false;         // true if the DMA claims banks before the cores in the next quantum
+  bool sharing_banks_ = false;     // true if bank conflicts are possible
+  std::uint64_t end_ = 0;          // last tick of this quantum, plus 1
+  bool goes_on_ = true;            // set to false to end the run
+  /// Cores of this quantum that need not wait for permission to access a shared device, in the order in which they run.
   std::vector<ClusterCore*> queue_;
   bool in_step_ = false;          // true if all awake cores have ended the last quantum in translated code
   std::uint64_t last_ready_ = 0;  // if in_step_: tick of the core that is farthest ahead

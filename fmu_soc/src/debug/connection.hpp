@@ -49,7 +49,7 @@ class Connection {
   void refuse_others();
   /// Returns true if Ctrl-C or a packet has arrived, or if the debugger has disconnected. Does not wait.
   bool interrupted();
-  /// Ends the acknowledgement of packets in both directions.
+  /// After this call, packets are not acknowledged in either direction.
   void stop_acknowledging() { acknowledges_ = false; }
 
  private:

@@ -282,8 +282,8 @@ bool GdbServer::write_register(unsigned number, std::uint32_t value) {
   return true;
 }
 
-/// Deletes the history after a change by gdb. Named positions belong to the run without this change, and become
-/// unreachable.
+/// Deletes the saved states after gdb has changed the chip. The positions that `monitor save` has named become
+/// unreachable, because they belong to the run without this change.
 void GdbServer::end_history() {
   if (history_ == nullptr) return;
   history_->cut();

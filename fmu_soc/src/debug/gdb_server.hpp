@@ -61,7 +61,8 @@ class GdbServer {
   static constexpr std::string_view kAtBreakpoint = "swbreak:;";
   static constexpr std::uint64_t kUnreachable = 0;  // position before every saved state
 
-  /// Describes a replay, which runs from a saved state to an earlier instruction. See reverse.cpp.
+  /// Describes a replay: the chip returns to a saved state, and runs from there to the instruction at which gdb must
+  /// stop. See reverse.cpp.
   struct Replay {
     enum class Phase : std::uint8_t { searching, seeking, restarting };
     struct Place {
@@ -86,7 +87,7 @@ class GdbServer {
     void retired(const Hart& hart, const Retired& instruction) override;
     void trapped(const Hart& /*hart*/, const Trapped& /*trap*/) override { was_held_ = false; }
     void switched(const Hart& hart, bool on) override;
-    /// Discards the last stop. Must be called after an earlier state was restored.
+    /// Discards the state of this hart's last stop. Must be called after the chip was restored to an earlier state.
     void forget() { was_held_ = false; }
 
    private:

@@ -28,8 +28,9 @@ class History {
   /// @param most_bytes  limit of the total size of all states; the first and the newest state are always kept
   explicit History(std::size_t most_bytes = kMostBytes) : most_bytes_(most_bytes) {}
 
-  /// Saves the state at the start of a piece of the run. Does nothing during a replay. If the states exceed kMost or
-  /// `most_bytes`, deletes every second state, and saves later states at twice the distance.
+  /// Saves the state of the chip, so that a replay can start from it. Must be called before each piece of the run. Does
+  /// nothing during a replay. If there are more than kMost states, or if they exceed `most_bytes`, deletes every second
+  /// state. From then on, only half as many calls save a state.
   void record(const Soc& soc);
   void restore(Soc& soc, std::size_t snapshot);
   /// Restores the start of the program, and discards all later states. has_start() must be true.
@@ -58,8 +59,8 @@ class History {
   void set_leaves(bool leaves) { leaves_ = leaves; }
   bool leaves() const { return leaves_; }
   /// Returns the next byte of input, or kNothingYet or kEnded (ConsolePort). In a replay, returns the same result as in
-  /// the first run. Otherwise returns the result of `read`. After a change by gdb, first returns the bytes that were
-  /// read before the change.
+  /// the first run. Otherwise returns the result of `read`. If gdb has changed the chip, the bytes that were read
+  /// before the change are returned again before `read` is called.
   int input(const std::function<int()>& read);
 
  private:

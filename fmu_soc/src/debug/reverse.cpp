@@ -20,7 +20,8 @@ constexpr std::string_view kHint = "'maintenance flush register-cache' makes gdb
 
 }  // namespace
 
-/// Returns the index of the last state before a position, or nullopt if there is no earlier state.
+/// Returns the index of the last saved state before an instruction, given by its position in the history. Returns
+/// nullopt if there is no such state.
 std::optional<std::size_t> GdbServer::state_before(std::uint64_t position) const {
   const auto& states = history_->snapshots();
   const auto after = std::ranges::lower_bound(states, position, {}, &History::Snapshot::position);
@@ -42,7 +43,8 @@ GdbServer::Resume GdbServer::reverse(bool by_step) {
   return Resume::rewind;
 }
 
-/// Executes a command of `monitor` that moves in time. Returns nullopt for any other command.
+/// Executes the commands of `monitor` that name a position in the run, or return to one: save, restore and reset.
+/// Returns nullopt for any other command.
 std::optional<GdbServer::Resume> GdbServer::travel(std::string_view command) {
   constexpr std::string_view kSave = "save ";
   constexpr std::string_view kRestore = "restore ";
@@ -115,8 +117,8 @@ void GdbServer::next_replay() {
   }
 }
 
-/// Decides, before a hart executes an instruction, whether the replay stops. Returns false if the run must end here,
-/// and nullopt if gdb must stop here.
+/// Called before a hart executes an instruction in a replay. Returns true if the hart continues, false if the run must
+/// end here, and nullopt if gdb must stop here.
 std::optional<bool> GdbServer::replay_before(unsigned number, std::uint32_t pc, std::uint64_t position) {
   auto& replay = *replay_;
   if (replay.phase == Replay::Phase::seeking) {
@@ -135,9 +137,9 @@ std::optional<bool> GdbServer::replay_before(unsigned number, std::uint32_t pc, 
   return true;
 }
 
-/// Records a stop after an access to a watched word. gdb assumes that a RISC-V core stops before the access. Therefore
-/// gdb makes one more step in the same direction before it compares the values. The hart is recorded because another
-/// hart may execute the next instruction.
+/// Records a stop after an access to a word with a watchpoint. gdb assumes that a RISC-V core stops before the access.
+/// Therefore gdb makes one more step in the same direction before it compares the values. The hart is recorded because
+/// another hart may execute the next instruction.
 void GdbServer::replay_retired(unsigned number, const Retired& instruction) {
   auto& replay = *replay_;
   if (replay.phase != Replay::Phase::searching || replay.by_step) return;

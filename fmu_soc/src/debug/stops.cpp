@@ -52,8 +52,8 @@ bool GdbServer::HartObserver::before(const Hart& hart) {
   return hold(hart, position);
 }
 
-/// Ends a step and reports a watchpoint before any other hart continues, because gdb expects only one thread to run
-/// during a step.
+/// Ends gdb's step of this hart and reports a watchpoint before any other hart continues, because gdb expects only one
+/// thread to run during a step.
 void GdbServer::HartObserver::retired(const Hart& hart, const Retired& instruction) {
   if (server_.replay_) return server_.replay_retired(number_, instruction);
   if (server_.leaves() || !server_.connection_.connected() || !reports_to_gdb()) return;
@@ -69,7 +69,7 @@ void GdbServer::HartObserver::retired(const Hart& hart, const Retired& instructi
   hold(hart, server_.history_ == nullptr ? 0 : server_.history_->position() + 1);
 }
 
-/// Ends the step of a core that is switched off.
+/// Ends gdb's step of this hart, because a hart that is switched off executes no further instruction.
 void GdbServer::HartObserver::switched(const Hart& /*hart*/, bool /*on*/) {
   was_held_ = false;
   if (server_.stepping_ == number_) server_.stepping_.reset();

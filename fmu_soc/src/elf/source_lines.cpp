@@ -96,8 +96,8 @@ struct FormValue {
   std::uint32_t number = 0;
 };
 
-/// Reads the value of a form. Skips a form that is neither text nor a short number. After an unknown form, the cursor
-/// is no longer good.
+/// Reads a value in the DWARF form `form`. Skips the value of a form that is neither text nor a short number. After an
+/// unknown form, the cursor's good() returns false.
 FormValue read_form(Cursor& cursor, std::uint32_t form, const LineSections& sections) {
   switch (static_cast<Form>(form)) {
     case Form::string:
@@ -134,7 +134,7 @@ struct Entry {
   std::uint32_t folder = 0;
 };
 
-/// Reads a table of version 5. It begins with a list that describes the fields of its entries.
+/// Reads the table of folders or of files in DWARF 5. It begins with a list that describes the fields of its entries.
 std::vector<Entry> described_entries(Cursor& cursor, const LineSections& sections) {
   struct Field {
     std::uint32_t content, form;
@@ -159,7 +159,7 @@ std::vector<Entry> described_entries(Cursor& cursor, const LineSections& section
   return entries;
 }
 
-/// The folders and files of a compilation unit. Folder 0 is the folder in which the compiler ran. Before version 5, the
+/// The folders and files of a compilation unit. Folder 0 is the folder in which the compiler ran. Before DWARF 5, the
 /// table does not contain the name of folder 0.
 struct FileTable {
   std::vector<Entry> folders;
@@ -173,7 +173,8 @@ struct FileTable {
     const auto first = folders.empty() ? std::string_view() : folders.front().path;
     for (auto folder = file.folder; !path.starts_with('/') && folder < folders.size(); folder = 0) {
       const auto& name = folders[folder].path;
-      // With -ffile-prefix-map, folder 0 and the other folders may be relative to the same folder.
+      // If the program was compiled with -ffile-prefix-map, the path may already begin with folder 0. In this case, the
+      // code does not insert folder 0 again.
       const bool is_inside = folder == 0 && !first.empty() && path.starts_with(first);
       if (!name.empty() && !is_inside) path.insert(0, "/").insert(0, name);
       if (folder == 0) break;
@@ -338,7 +339,8 @@ template <typename Use>
 void for_each_unit(const LineSections& sections, Use use) {
   Cursor units(sections.line);
   while (units.more()) {
-    // The mark of the 64-bit format, 0xffffffff, exceeds the size of any section.
+    // A unit in the 64-bit format begins with 0xffffffff. This length exceeds the size of the section, so the loop ends
+    // here.
     Cursor unit(units.take(units.number(4)));
     const auto version = unit.number(2);
     if (version < 2 || version > 5) continue;
@@ -362,8 +364,8 @@ std::optional<SourceLine> find_line(const LineSections& sections, std::uint32_t 
   return found;
 }
 
-/// In optimised code, the row after a statement often has the same address, so that the range of the statement is
-/// empty. The list contains this empty range, because the instruction at its address is executed each time the
+/// In optimised code, a row of the line number table often has the same address as the next row, so that its range is
+/// empty. The list also contains such a range, because the instruction at its address is executed each time the
 /// statement begins.
 std::vector<LineRange> all_lines(const LineSections& sections) {
   std::vector<LineRange> ranges;

@@ -163,24 +163,25 @@ class EnergyMeter {
 
   EnergyLedger at(const Activity& now) const;
   /// Returns the energy of the instructions and accesses of cluster core `number` [J], without the energy of its gated
-  /// clock. This energy is also part of the ledger.
+  /// clock. The result of at() also contains this energy.
   double core_j(unsigned number, const CoreActivity& now) const;
-  /// Return by how much the energy increases at the present settings if one count increases by one. For counts of the
-  /// fabric controller, this is the energy in the ledger. For counts of a cluster core, it is the result of core_j().
+  /// These functions return the energies by which a result increases if one count increases by one, at the present
+  /// temperature, voltage and clocks. per_count_of_fabric_controller() is for the fabric controller's counts and the
+  /// result of at(). per_count_of_core() is for a cluster core's counts and the result of core_j().
   CountEnergy per_count_of_fabric_controller(bool cluster_on) const;
   CountEnergy per_count_of_core() const;
   /// Applies new settings from `now` on. Must be called before a clock changes, because the energy of a cycle depends
   /// on the clock.
   void change(const PowerState& state, const Activity& now);
 
-  /// Returns how long the chip had been supplied at the last change of settings. The ledger cannot be computed for
-  /// earlier times.
+  /// Returns the time for which the chip had been supplied at the last call of change(). at() cannot compute the energy
+  /// up to earlier times.
   Picoseconds settled_until() const { return since_.powered; }
 
   void visit(state::Visitor& v);
 
  private:
-  /// Energies and powers at the present settings.
+  /// Energies and powers at the present temperature, voltage and clocks.
   struct Rates {
     double instruction = 1;  // relative to reference_instruction_j
     double core_gated_w = 0;

@@ -33,8 +33,8 @@ double number_of(const data::Member& member) {
   return value;
 }
 
-/// Returns the points of an axis with their nodes, sorted by value. Reports an axis without points, and a point that
-/// occurs twice.
+/// Returns the points of an axis, each with its node in the file, sorted by value. Reports an axis without points, and
+/// a point that occurs twice.
 std::vector<Point> sorted_points(const data::Node& node) {
   std::vector<Point> points;
   for (const auto& member : node.members()) {

@@ -216,7 +216,8 @@ void Model::advance(std::int64_t end_ns) {
   while (session_ && session_->rewind()) replay();
 }
 
-/// Repeats the steps from the restored state to the present step, or until gdb returns to an earlier instruction again.
+/// Repeats the steps of the mission from the restored state to the present step, or until gdb requests an earlier
+/// instruction again.
 void Model::replay() {
   for (auto i = past_->current_step(soc_.now()); i < past_->steps.size() && !past_->history.leaves(); ++i) {
     past_->repeat_step(i, soc_.now());

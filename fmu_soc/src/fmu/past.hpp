@@ -27,14 +27,14 @@ struct Past {
   debug::History history;
   std::vector<Step> steps;
 
-  /// Records a new step, which begins at the present position and time.
+  /// Records a new step of the mission, which begins at the present position and time.
   void begin_step(Picoseconds now, std::int64_t end_ns, const VariableFields& fields) {
     const auto* before = steps.empty() ? nullptr : &steps.back().inputs;
     steps.push_back({history.position(), now, end_ns, fields.inputs(before)});
   }
 
-  /// Records that a step begins again. After a change by gdb, the position of its start in the history may have
-  /// changed.
+  /// Records that a step of the mission begins again. If gdb has changed the chip, the step may begin at another
+  /// position of the history than before.
   void repeat_step(std::size_t step, Picoseconds now) {
     steps[step].position = history.position();
     steps[step].began = now;
@@ -48,7 +48,8 @@ struct Past {
     throw Error("gdb cannot go back to a state at which no recorded step of the mission begins");
   }
 
-  /// Deletes all steps and states. Must be called after the co-simulation has restored another state.
+  /// Deletes all recorded steps and saved states. Must be called after the co-simulation has restored another state of
+  /// the chip.
   void clear() {
     history.clear();
     steps.clear();

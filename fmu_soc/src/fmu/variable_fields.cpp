@@ -43,7 +43,7 @@ T* known(T* place, const BoardDevice& entry, const std::string& name) {
   return place;
 }
 
-/// Returns the previous step's value if it is equal to `values`, otherwise a copy of `values`.
+/// Returns `*before`, the value of the previous step, if it is equal to `values`. Otherwise returns a copy of `values`.
 template <typename T, typename Values>
 std::shared_ptr<const T> shared_copy(const std::shared_ptr<const T>* before, const Values& values) {
   if (before != nullptr && std::ranges::equal(**before, values)) return *before;

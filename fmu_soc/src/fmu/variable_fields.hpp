@@ -14,7 +14,7 @@
 
 namespace mebots::soc {
 
-/// Parameters and inputs of a step. Successive steps share equal texts and bytes.
+/// Parameters and inputs of a communication step. Successive steps share equal texts and bytes.
 struct StepInputs {
   std::vector<double> numbers;
   std::vector<std::shared_ptr<const std::string>> texts;

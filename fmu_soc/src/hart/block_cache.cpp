@@ -64,8 +64,8 @@ bool BlockCache::fetch(const Memory& memory, std::uint32_t pc, std::uint32_t& wo
   return true;
 }
 
-/// Returns a decoded instruction as a slot of the arena. Does not set the fields that depend on the previous
-/// instructions of the block.
+/// Converts a decoded instruction to the form in which blocks contain it. Does not set the fields that depend on the
+/// previous instructions of the block.
 Instruction BlockCache::instruction_of(const Decoded& decoded, std::uint32_t pc) const {
   Instruction instruction;
   instruction.run = handler_of(decoded.op, decoded.operand);
@@ -113,13 +113,14 @@ struct BlockCache::Decoding {
 };
 
 /// Returns true if the block should end before the next instruction. A block ends where another block begins, and at
-/// targets of its branches, because overlapping blocks cost more than steps between blocks. If blocks are decoded for
-/// translation, a block also ends after a backward branch. Otherwise the time bound and the cache lines of each
-/// iteration would include the code after the loop. A block does not end before code that jumps within two
-/// instructions, because the cycles of such a jump depend on the instructions before it.
+/// targets of its branches, because overlapping blocks cost more than changes from block to block. If blocks are
+/// decoded for translation, a block also ends after a backward branch. Otherwise a loop and the code after it would be
+/// one block. The time bound and the cache lines of each iteration would then include those of the code after the loop.
+/// A block does not end before code that jumps within two instructions, because the cycles of such a jump depend on the
+/// instructions before it.
 bool BlockCache::ends_here(const Decoding& decoding) const {
-  // The cycles of the next block's first two instructions depend on the last two instructions. This block must contain
-  // both.
+  // The last two instructions of this block determine the cycles of the next block's first two instructions. Therefore
+  // this block needs at least two instructions.
   if (!end_at_targets_ || decoding.sums.index < 2) return false;
   const auto pc = decoding.block.end;
   if (const auto number = known(pc); number != 0) return !blocks_[number].early_jump;
@@ -187,7 +188,8 @@ void BlockCache::append(Decoding& decoding, const Decoded& decoded) {
   block.end = at + decoded.length;
 }
 
-/// Adds the end slot of a block, and sets the fields that depend on the whole block.
+/// Adds the end of a block, an Instruction with the totals of the block. Sets the fields that depend on the whole
+/// block.
 void BlockCache::end_block(Decoding& decoding) {
   auto& block = decoding.block;
   const auto& sums = decoding.sums;
@@ -197,7 +199,7 @@ void BlockCache::end_block(Decoding& decoding) {
   end.run = handler_of(end.op);
   MEBOTS_ASSERT(sums.index > 0 && end.run != nullptr);
   end.pc = block.end;
-  // The `link` of this slot is the first block of a hardware loop's next iteration.
+  // This additional Instruction is only used for its `link`, the first block of a hardware loop's next iteration.
   arena_[block.first + sums.index + 1] = Instruction{};
   arena_used_ += sums.index + 2U;
   decoded_ += sums.index;

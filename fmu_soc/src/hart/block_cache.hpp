@@ -99,7 +99,7 @@ class BlockCache {
   static constexpr std::uint32_t kMaxBlocks = 1U << 16;
 
   /// Reserves one of the memory's marks, which then marks words with decoded code. The memory must outlive the cache.
-  /// If `for_translation` is true and the limit of runs is not loose, blocks also end after backward branches.
+  /// If `for_translation` is true and CodeSettings::loose_limit is false, blocks also end after backward branches.
   BlockCache(Memory& memory, const CodeSettings& settings, bool for_translation);
 
   const Timing& timing() const { return timing_; }
@@ -126,8 +126,8 @@ class BlockCache {
     MEBOTS_ASSERT(block.first < kArenaSize);
     return &arena_[block.first];
   }
-  /// Returns a pointer to the link of `holder`, which is the number of the block with which a hardware loop's next
-  /// iteration begins. If this block does not start at address `start`, sets the link to 0.
+  /// Returns a pointer to `holder.link`, the number of the block with which a hardware loop's next iteration begins. If
+  /// this block does not start at address `start`, first sets the link to 0.
   std::uint16_t* loop_link(const Instruction& holder, std::uint32_t start) const {
     if (block(holder.link).pc != start) holder.link = 0;
     return &holder.link;
@@ -209,7 +209,7 @@ class BlockCache {
   static bool fetch(const Memory& memory, std::uint32_t pc, std::uint32_t& word, std::uint32_t& fault_address);
 
  private:
-  /// The arena is a ring of segments. To reuse a segment, all of its blocks are evicted.
+  /// The decoded instructions are in an arena, a ring of segments. To reuse a segment, all of its blocks are evicted.
   static constexpr std::uint32_t kSegmentSize = 1U << 16;
   static constexpr std::uint32_t kSegments = 8;
   static constexpr unsigned kBucketBits = 15;
@@ -217,10 +217,10 @@ class BlockCache {
 
   static constexpr std::size_t kArenaSize = std::size_t{kSegmentSize} * kSegments;
 
-  /// Stores a single instruction, its end slot and a slot for its link. Valid only while the memory's code generation
-  /// is `generation`.
+  /// Stores a block with a single instruction: the instruction, the end of the block, and an Instruction whose `link`
+  /// is used. Valid only while Memory::code_generation() is equal to `generation`.
   struct Single {
-    /// Code generation of the memory; 0 = empty. The memory's generations start at 1.
+    /// Value of Memory::code_generation() at the decoding, at least 1; 0 = empty.
     std::uint64_t generation = 0;
     Previous two_before;
     Previous before;
@@ -256,8 +256,9 @@ class BlockCache {
   Timing timing_;
   Extensions extensions_;
   std::array<std::uint32_t, kOpCount> energy_fj_;
-  /// If true, a block also ends at known targets of jumps and branches, so that few blocks overlap. False for harts
-  /// with a loose limit, whose blocks may only depend on memory and pc.
+  /// If true, a block also ends at known targets of jumps and branches, so that few blocks overlap. False if
+  /// CodeSettings::loose_limit is true. A hart then stops at the end of a block, so its blocks must not depend on what
+  /// was decoded earlier.
   bool end_at_targets_;
   bool end_after_loops_;  // true if a block also ends after a backward branch
   const InstructionCache* cached_lines_;

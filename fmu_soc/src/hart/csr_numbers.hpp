@@ -21,7 +21,8 @@ inline constexpr std::uint32_t kFloatsOn = 3U << 13;
 /// with physical memory protection.
 enum class Core : std::uint8_t { every, ri5cy, gap8, floats, user, pmp };
 
-/// The register numbers of one row. Each register has a slot; the slots of all rows are consecutive.
+/// The register numbers of one row of csrs.inc. Each register has a slot, its index in CsrState::words. The slots of
+/// all rows are consecutive.
 struct Place {
   unsigned number;  // number of the first register
   unsigned count;
@@ -31,14 +32,14 @@ inline constexpr auto kPlaces = std::to_array<Place>({
 #include "hart/csrs.inc"
 });
 
-/// Returns the number of slots of all rows before `row`.
+/// Returns the number of registers in all rows before `row`.
 constexpr unsigned slots_before(std::size_t row) {
   unsigned slots = 0;
   for (std::size_t i = 0; i < row; ++i) slots += kPlaces[i].count;
   return slots;
 }
 
-/// Returns the slot of the register with this number, or the total number of slots if no row contains it.
+/// Returns the slot of the register with this number, or the number of all slots if no row contains it.
 constexpr unsigned slot_of(unsigned number) {
   unsigned slots = 0;
   for (const auto& place : kPlaces) {

@@ -137,7 +137,8 @@ constexpr std::array<Csrs::Rows::Row, csr::kPlaces.size()> Csrs::Rows::kAll = []
   return rows;
 }();
 
-/// If two rows contain the same number, a row for GAP8 replaces a row for RI5CY, which replaces a row for every core.
+/// If two rows contain the same register number, a row for GAP8 replaces a row for RI5CY, which replaces a row for
+/// every core.
 constexpr std::array<std::array<std::uint8_t, Csrs::Rows::kNumbers>, Csrs::Rows::kCores> Csrs::Rows::kRowOf = [] {
   std::array<std::array<std::uint8_t, kNumbers>, kCores> row_of{};
   for (std::size_t core = 0; core < kCores; ++core) {
@@ -273,7 +274,8 @@ void Csrs::set_mode(Mode mode) {
   update_guard();
 }
 
-/// Makes the data path check each access if a privilege mode in use lacks some rights.
+/// Makes the data path check each access if memory protection may deny an access in the core's mode, or in the mode
+/// that its loads and stores use.
 void Csrs::update_guard() {
   const bool was_guarded = guarded_;
   guarded_ = !pmp_.allows_all(state_.mode) || !pmp_.allows_all(data_mode());
@@ -507,7 +509,7 @@ void Csrs::write_counter(bool instret, std::uint32_t value, bool high) {
   wanted = high ? (wanted & 0xffffffffULL) | (std::uint64_t{value} << 32) : (wanted & ~0xffffffffULL) | value;
   auto& base = instret ? state_.instret_base : state_.cycle_base;
   const auto inhibit = instret ? kInhibitInstret : kInhibitCycle;
-  // A write of a counter replaces the increment by the same instruction, so the next instruction reads the written
+  // The instruction that writes a counter does not also increment it. The next instruction therefore reads the written
   // value.
   const auto count = instret ? execution_.counters.instructions + 1 : execution_.counters.cycles;
   base = is_inhibited(inhibit) ? wanted : count - wanted;

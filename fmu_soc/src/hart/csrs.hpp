@@ -15,9 +15,9 @@
 
 namespace mebots::soc {
 
-/// CSR accesses that have another effect on most other cores. The simulator prints messages about them.
+/// CSR accesses whose effect differs from that on most other cores. The simulator prints messages about them.
 struct CsrRemarks {
-  /// Value that the program wrote, if the core cleared some of its low bits.
+  /// Value that the program wrote to mtvec, if the core cleared some of its low bits.
   std::optional<std::uint32_t> moved_mtvec = {};
   std::optional<unsigned> read_stopped_counter =
       {};  // number of a counter that the program read although the counter has not run since reset
@@ -25,7 +25,7 @@ struct CsrRemarks {
 
 /// Values of the control and status registers that are not in Execution.
 struct CsrState {
-  /// Values of the registers that keep a word, by slot.
+  /// Values of the registers that keep a word, indexed by csr::slot_of().
   std::array<std::uint32_t, csr::slots_before(csr::kPlaces.size())> words{};
   bool interrupts_on = false;       // mstatus.MIE
   bool interrupts_were_on = false;  // mstatus.MPIE
@@ -73,7 +73,7 @@ class Csrs {
   /// access.
   bool read(unsigned number, std::uint32_t& value) const;
   bool write(unsigned number, std::uint32_t value);
-  /// Executes a CSR instruction. Returns what a Handler returns.
+  /// Executes a CSR instruction. Returns the next instruction of the block, or null if execution leaves the block.
   const Instruction* access(const Instruction* at);
   static CsrForm form(const Timing& timing, unsigned number);
   static constexpr std::uint32_t kInhibitCycle = 1U << 0;  // bits of mcountinhibit

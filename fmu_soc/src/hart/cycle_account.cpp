@@ -27,7 +27,7 @@ enum : unsigned {
 }  // namespace event
 static_assert(event::kContention + 1 == kEventCounters);
 
-/// Returns the cause of all cycles of an operation after the first.
+/// Returns the cause of an operation's cycles, except for its first cycle.
 CycleCause own_cause(Op op) {
   if (is_multi_cycle(op)) return CycleCause::multiply_divide;
   if (is_float(op)) return CycleCause::floats;
@@ -94,8 +94,8 @@ void CycleAccount::share_decoded(CycleShares& shares, const Decoded& instruction
   waited_for_load_ = decoded_ > own;
 }
 
-/// Assigns causes to the cycles of a jump. A jump takes two cycles, or one if the previous instruction is slow and
-/// overlaps with it. It may also wait for its address register, or for a load directly before it.
+/// Assigns causes to the cycles of a jump. A jump takes two cycles, or one if it is fetched while the previous
+/// instruction still takes several cycles. It may also wait for its address register, or for a load directly before it.
 void CycleAccount::share_jump(CycleShares& shares, const Decoded& jump) {
   const bool is_after_load = is_load(before_.op) && before_.writes();
   waited_for_load_ = decoded_ > 2 && is_after_load && (jump.rd == before_.rd || jump.rs1 == before_.rd);

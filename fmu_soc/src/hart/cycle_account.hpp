@@ -20,7 +20,8 @@ class CycleAccount {
  public:
   CycleAccount(const Execution& execution, const Timing& timing) : execution_(execution), timing_(timing) {}
 
-  /// Starts a new account from the present counts of the core.
+  /// Measures the next instruction from the present counts of the core. Must be called when the observation begins, and
+  /// after a state was restored.
   void restart();
   /// Adds the cycles of a trap's entry. Must be called when a trap is taken.
   void entered_trap() { trap_cycles_ += kTrapEntryCycles; }
@@ -33,8 +34,8 @@ class CycleAccount {
   /// Sets the instruction's cycles. Must be called after the instruction has retired and has been counted. `hidden` is
   /// the number of cycles of the following jump that overlap with this instruction.
   void retire(Retired& instruction, std::uint32_t hidden);
-  /// Adds the events of the last retired instruction to `events`. If `external` is true, also counts waits for banks,
-  /// and accesses outside the core's first memory.
+  /// Adds the events of the last retired instruction to `events`. If `external` is true, also counts two kinds of
+  /// events: waits for banks, and accesses to devices and to all memories other than the core's first memory.
   void count_events(EventCounts& events, const Retired& instruction, bool external) const;
 
  private:

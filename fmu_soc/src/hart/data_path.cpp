@@ -44,6 +44,7 @@ bool DataPath::connect(std::span<const MemoryPort> ports) {
     const auto ram = is_fast ? fast_region(memory_, ports[i]) : FastRegion{};
     const auto& before = execution_.ram[i];
     // If harts share the second memory, translated code computes the wait of each access at run time (far_access.hpp).
+    // It then contains no wait cycles of this memory as a constant.
     const bool asks = i == 1 && ram.is_shared();
     const bool asked = i == 1 && before.is_shared();
     others = others || ram.data != before.data || asks != asked || (!asks && ram.wait_cycles != before.wait_cycles);
@@ -191,7 +192,7 @@ std::uint8_t* DataPath::atomic_word(const Instruction* at, std::uint32_t address
   return region.data.get() + (place - region.base);
 }
 
-/// Ends an atomic operation that has stored its value. Returns what a Handler returns.
+/// Ends an atomic operation that has stored its value. Leaves the block after the instruction, and returns null.
 const Instruction* DataPath::stored_atomic(const Instruction* at, std::uint32_t address) {
   const auto place = address - port_of(address, 4)->moved;
   const auto* next = memory_.marked(place, 4, 0xff) ? stored_over_mark(at, place, 4) : at + 1;
@@ -239,8 +240,8 @@ const Instruction* DataPath::stored_over_mark(const Instruction* at, std::uint32
   memory_.changed(address, size);
   if (memory_.marked(address, size, Region::kWatch) && bus_.watched(address))
     return execution_.leave_after(at, Leave::stop);
-  // If the limit is loose, the block continues to its end: the instruction at which a core stops must not depend on
-  // which code was decoded.
+  // If blocks may run past the limit (loose limit), the block continues to its end with its old code. Otherwise the
+  // instruction at which the core stops would depend on whether the stored code was decoded before.
   return finishes_block_ ? at + 1 : execution_.leave_after(at, Leave::normal);
 }
 

@@ -24,7 +24,7 @@ struct MemoryPort {
 };
 
 /// Performs loads and stores outside the fast path: to other memories, across the end of a memory, to devices, to code,
-/// and to watched words.
+/// and to words that the host watches.
 class DataPath {
  public:
   /// If `finishes_block` is true, a block that stores into code continues to its end with the old code. The block is
@@ -35,7 +35,8 @@ class DataPath {
   /// Sets the memories of the core. Returns true if the memories of the fast path have changed, or if a wait that
   /// translated code contains as a constant has changed.
   bool connect(std::span<const MemoryPort> ports);
-  /// Sets the banks of the first memory. Null means that the core is the memory's only user.
+  /// Sets the banks of the core's first memory, if other cores or the DMA also use this memory. Null means that the
+  /// core is the only user.
   void share_first(BankSchedule* banks);
   std::uint32_t longest_wait() const;
 
@@ -43,12 +44,12 @@ class DataPath {
   /// each access. Otherwise enables it.
   void guard(bool guarded);
 
-  // These functions execute an instruction, and return what a Handler returns.
+  // These functions execute an instruction. They return the next instruction of the block, or null if execution leaves
+  // the block.
   const Instruction* load(const Instruction* at, std::uint32_t address, unsigned size, bool sign);
   const Instruction* store(const Instruction* at, std::uint32_t address, unsigned size, std::uint32_t value);
   /// Executes p.elw, a load that waits for an event.
   const Instruction* event_load(const Instruction* at);
-  /// Execute lr.w and sc.w.
   const Instruction* load_reserved(const Instruction* at, std::uint32_t address);
   const Instruction* store_conditional(const Instruction* at, std::uint32_t address, std::uint32_t value);
   /// Executes an amo*.w instruction: stores `combine(word, value)`, and loads the previous word into rd.
@@ -56,11 +57,12 @@ class DataPath {
                          std::uint32_t (*combine)(std::uint32_t word, std::uint32_t value));
   /// Returns true if one memory of the core contains all of these bytes.
   bool is_ram(std::uint32_t address, unsigned size) const { return port_of(address, size) != nullptr; }
-  /// Performs a quiet load from a device: see Bus::load_quietly(). The address must be outside the core's memories.
-  /// Does not extend the sign. If the limit of runs is loose, no load is quiet, because each device access must end the
-  /// run.
+  /// Performs a load from a device if Bus::load_quietly() can perform it. The address must be outside the core's
+  /// memories. Does not extend the sign. If blocks may run past the limit (loose limit), performs no load, because each
+  /// device access must then end the run.
   BusReply load_quietly(std::uint64_t cycle, std::uint32_t address, unsigned size) noexcept;
-  /// Handles a store to code or to a watched word. Returns what a Handler returns.
+  /// Handles a store to code or to a word that the host watches. Returns the next instruction of the block, or null if
+  /// execution leaves the block.
   const Instruction* stored_over_mark(const Instruction* at, std::uint32_t address, unsigned size);
 
  private:
@@ -88,8 +90,8 @@ inline constexpr std::uint64_t kOutsideBanks = std::numeric_limits<std::uint64_t
 
 /// Performs an access of translated code to a word of the second memory, which several cores share. Counts the access,
 /// claims the word's bank for an instruction that starts in active cycle `cycle`, and returns the wait cycles. `offset`
-/// is relative to the start of the memory. If the rest of the block might exceed the table of the first memory's banks,
-/// has no effect and returns kOutsideBanks. The interpreter must then perform the access.
+/// is relative to the start of the memory. If the block might end after the last row of the table of the first memory's
+/// banks, has no effect and returns kOutsideBanks. The interpreter must then perform the access.
 std::uint64_t wait_for_far(Execution& execution, std::uint64_t cycle, std::uint32_t offset) noexcept;
 
 }  // namespace mebots::soc

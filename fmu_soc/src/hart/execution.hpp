@@ -32,8 +32,8 @@ struct FastRegion {
   bool is_shared() const { return banks != nullptr; }
 };
 
-/// The reason why execution left a block. `normal`: the hart continues at the next instruction. `stopped`: the hart has
-/// already determined why it stops.
+/// The reason why execution left a block. `normal`: the hart continues at the next instruction. `stopped`: the run
+/// ends, and Hart contains the reason.
 enum class Leave : std::uint8_t { normal, trap, device, stop, sleep, event, turn, counting, stopped };
 
 /// Registers of a hardware loop. The body runs again if the count is above 1 after the body's last instruction.
@@ -73,7 +73,7 @@ struct Counters {
   std::uint64_t far_accesses = 0;     // loads and stores to memories other than the first
   std::uint64_t fetch_cycles = 0;     // cycles of waits for the instruction cache
 
-  /// Returns the number of loads and stores to the first memory.
+  /// Returns the number of loads and stores to the core's first memory.
   std::uint64_t near_accesses() const { return accesses - device_accesses - far_accesses; }
   Counters& operator+=(const Counters& other) {
     instructions += other.instructions;
@@ -130,9 +130,9 @@ struct HostState {
   /// Address at which translated code resumes after it stopped at the limit. Null if it cannot resume there, or if the
   /// hart's state has changed since then.
   const std::uint8_t* resume_point = nullptr;
-  /// The next hart that runs in this round; null = none. Translated code continues with that hart without a return to
-  /// the caller. `resume_point_of_next` points to that hart's `resume_point`, or to a null pointer. Translated code
-  /// loads it early, because the host cannot predict the indirect jump to the resume point.
+  /// The hart with which translated code continues when this hart has reached its limit, without a return to the
+  /// caller; null = none. `resume_point_of_next` points to that hart's `resume_point`, or to a null pointer. Translated
+  /// code loads it early, because the host cannot predict the indirect jump to the resume point.
   Execution* next = nullptr;
   const std::uint8_t* const* resume_point_of_next = &kNoResumePoint;
   std::uint64_t instructions = 0;  // lower half: instructions of the last run; upper half: its loads and stores
@@ -150,11 +150,11 @@ struct HostState {
   std::uint32_t float_control_outside = 0;
   std::uint32_t float_control = kFloatControl;
   std::uint32_t float_control_after = kFloatControl;
-  CsrState* csrs = nullptr;    // of the same core
-  TrapState* traps = nullptr;  // of the same core
+  CsrState* csrs = nullptr;    // control and status registers of this core
+  TrapState* traps = nullptr;  // state of this core's trap handlers
   bool serves_calls = false;   // true if the host may serve an ecall
-  std::uint32_t loaded = 0;    // the value of the last quiet load of translated code
-  // The list of recorded steps from one function into another in translated code.
+  std::uint32_t loaded = 0;    // value of the last load that translated code performed with load_quietly()
+  // Translated code records the steps that may enter another function in a list: see Flow.
   Flow* flow = nullptr;              // next entry to write
   std::uint64_t position = 0;        // value of the register that counts cycles, at the end of the last run
   std::uint64_t instruction_fj = 0;  // energy of the last run
@@ -163,7 +163,8 @@ struct HostState {
 /// Means "no pc". Valid addresses are even.
 inline constexpr std::uint32_t kNoPc = 1;
 
-/// The units of a core that handlers use in addition to Execution. See runs/core.md.
+/// The parts of a core, such as CSRs and data path, that instruction handlers use in addition to Execution. See
+/// runs/core.md.
 struct HartUnits {
   Csrs& csrs;
   Traps& traps;
@@ -202,12 +203,14 @@ struct Execution {
   std::uint32_t trap_cause = 0;
   std::uint32_t trap_value = 0;
   /// Pc at which a limit interrupted a block, at which a single instruction ended, or to which an interrupt returned.
+  /// If blocks must not run past the limit, no new block is decoded at this pc, because blocks at all such pcs would
+  /// fill the cache.
   std::uint32_t cut_pc = kNoPc;
   const HartUnits* units = nullptr;  // units of this core
   Hart* hart = nullptr;              // the hart of this core
   HostState host;
 
-  /// Sets the next hart that runs in this round; null = none.
+  /// Sets the hart with which translated code continues after this one; null = none.
   void set_next(Execution* next) {
     host.next = next;
     host.resume_point_of_next = next == nullptr ? &kNoResumePoint : &next->host.resume_point;
@@ -225,8 +228,9 @@ struct Execution {
     redirected = false;
     slow_load = slow_load_before;
   }
-  /// Resumes a block at `at`, which is not its first instruction. Subtracts the previous instructions of the block from
-  /// the counters, because finish_block() adds them again. The counters are invalid until then.
+  /// Resumes a block at `at`, which is not its first instruction. finish_block() adds all instructions of the block to
+  /// the counters. Therefore this function first subtracts those before `at`. The counters are invalid until
+  /// finish_block().
   void begin_block_inside(const Instruction* at);
   std::uint32_t stalled_before(const Instruction* at) const { return at->index == 0 ? first_stall : 0U; }
   /// Returns the active cycle in which the instruction starts.

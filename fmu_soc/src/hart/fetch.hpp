@@ -22,7 +22,8 @@ class Fetch {
   bool is_cached() const { return cache_ != nullptr; }
   const InstructionCache* cache() const { return cache_; }
   void flush();
-  /// Undoes refills of translated code: see InstructionCache. Returns the cycles that they have waited.
+  /// Undoes refills of translated code: see InstructionCache::undo_refills(). Returns the cycles that the core has
+  /// waited for these refills.
   std::uint32_t undo_refills(std::uint32_t lines) {
     MEBOTS_ASSERT(is_cached());
     return cache_->undo_refills(lines) * cache_->refill_cycles();
@@ -34,7 +35,7 @@ class Fetch {
     MEBOTS_ASSERT(is_cached());
     return cache_->line_of(before[1].pc - 1) == cache_->line_of(at[1].pc - 1);
   }
-  /// Returns the first instruction after `at` that may have to wait for a cache line, or the end slot of the block.
+  /// Returns the first instruction after `at` that may have to wait for a cache line, or the end of the block.
   const Instruction* next_to_wait(const Instruction* at) const;
   /// Returns true if the cache contains all lines from this instruction to the end of the block.
   bool is_present(const Instruction* at) const;

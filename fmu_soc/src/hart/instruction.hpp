@@ -61,9 +61,10 @@ Operand operand_of(const Instruction& instruction);
 struct Instruction;
 
 /// A recorded step from one instruction to the next that may enter another function, with the hart's counts since
-/// reset. Translated code records some members in another form, which the hart converts for the observer.
+/// reset. Translated code records other values in some members. The hart converts them before the observer receives the
+/// step.
 struct Flow {
-  /// Recorded form: the lower half counts instructions of the run, and the upper half loads and stores.
+  /// In a recorded step, the lower 32 bits count instructions of the run, and the upper 32 bits its loads and stores.
   std::uint64_t instructions = 0;
   std::uint64_t instruction_fj = 0;  // as recorded: energy of the run
   std::uint64_t cycles = 0;          // as recorded: value of HostState::position
@@ -75,7 +76,8 @@ struct Flow {
 };
 static_assert(offsetof(Flow, instruction_fj) == offsetof(Flow, instructions) + 8, "both are one vector register");
 
-/// Decides which steps may enter another function. Calls and indirect jumps are always recorded.
+/// Decides which steps from one instruction to the next may enter another function. Calls and indirect jumps are always
+/// recorded.
 class FlowMap {
  public:
   FlowMap() = default;

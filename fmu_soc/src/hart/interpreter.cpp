@@ -14,8 +14,8 @@ const Instruction* stop_here(Execution& e, const Instruction* at) {
   return nullptr;
 }
 
-/// Returns how many cycles of a jump overlap with a misaligned load before it. These cycles were already subtracted at
-/// the load.
+/// Returns how many cycles of a jump overlap with a misaligned load before it. This number was already subtracted from
+/// the cycles of the load.
 std::uint32_t overlapped_cycles(const Execution& e, const Instruction* jump) {
   const bool hides = jump->index != 0 && e.slow_load == jump - 1 &&
                      overlaps_slow(executed(jump[-1], true), {jump->op, jump->rd, jump->rs1});
@@ -60,9 +60,9 @@ bool Interpreter::resume_to_limit() {
   return true;
 }
 
-/// Executes a block one instruction at a time from `at`, whose cache line is present. Each instruction takes its static
-/// cycles. Exception: if a jump follows a misaligned load, cycles of the jump were already subtracted at the load. The
-/// limit may be between these two instructions.
+/// Executes a block one instruction at a time from `at`, whose cache line is present. Each instruction takes the cycles
+/// that are known from decoding. Exception: if a jump follows a misaligned load, the overlapping cycles of the jump
+/// were already subtracted at the load. The limit may be between these two instructions.
 void Interpreter::run_one_by_one(const Instruction* at) {
   MEBOTS_ASSERT(at != nullptr && walk_ == nullptr);
   auto& e = execution_;
@@ -92,7 +92,8 @@ void Interpreter::cut_at(const Instruction* at) {
   e.exit = at;
   e.link = nullptr;
   e.cut_pc = at->pc;
-  // After a misaligned load, a jump takes fewer cycles than the block states, so the block cannot be continued here.
+  // After a misaligned load, a jump takes fewer cycles than the decoded block contains. Therefore resume_to_limit()
+  // must not continue this block.
   if (e.slow_load == at - 1) return;
   cut_ = {at, blocks_.generation(), {}};
 }
@@ -130,7 +131,7 @@ bool Interpreter::run_fetching(const Block& block, std::uint32_t stall) {
   const auto wait = std::uint64_t{missing} * fetch_.cache()->refill_cycles();
   if (!limit_.admits(execution_.counters.cycles, block.last_start_bound + stall + wait)) return false;
   const auto* first = blocks_.instructions(block);
-  // The lines of an instruction are fetched before its stall for a load.
+  // The cache lines of the first instruction are fetched before this instruction stalls for a load.
   execution_.begin_block(fetch_.fetch_lines(first, execution_.counters.cycles), stall, nullptr);
   execute_fetching(first);
   return true;

@@ -61,7 +61,7 @@ class Interpreter {
   /// BlockWalk.
   void step();
   /// Executes a block to the limit or to the block's end. The first instruction stalls for `stall` cycles after a load.
-  /// No BlockWalk may be set.
+  /// Must not be called while set_walk() has replaced the loop over the instructions.
   void run_to_limit(const Block& block, std::uint32_t stall);
   /// Continues the block that the last limit has interrupted, to the new limit. Returns false without effect if the
   /// core is no longer at the place of the interruption.
@@ -70,7 +70,8 @@ class Interpreter {
   /// might reach the limit.
   bool run(const Block& block, std::uint32_t stall);
   /// Executes a block and then the blocks linked to it, until a condition such as an interrupt requires the caller's
-  /// attention. Returns false without effect if the first block might reach the limit. No BlockWalk may be set.
+  /// attention. Returns false without effect if the first block might reach the limit. Must not be called while
+  /// set_walk() has replaced the loop over the instructions.
   bool run_linked(const Block& block, std::uint32_t stall, const Csrs& csrs);
   /// Resumes a block at the instruction `at`, where translated code has left it. `wait_cycles` is the number of cycles
   /// that translated code waited in the block. `fetches` must be true if cache lines may be absent.

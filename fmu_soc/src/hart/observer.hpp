@@ -55,17 +55,18 @@ class Observer {
   virtual ~Observer() = default;
 
   /// Called before the hart executes the instruction at its pc. The instruction may also raise an exception. If the
-  /// function returns false, the run ends before the instruction. If the limit is loose, a run can only end before the
-  /// first instruction of a block.
+  /// function returns false, the run ends before the instruction. If blocks may run past the limit (loose limit), a run
+  /// can only end before the first instruction of a block.
   virtual bool before(const Hart& /*hart*/) { return true; }
   virtual void retired(const Hart& /*hart*/, const Retired& /*instruction*/) {}
-  /// Returns code in which the observer need not be called for each instruction. If an instruction and its successor
-  /// are both in this code, the hart does not call retired() and before(), except for calls, indirect jumps and mret.
-  /// The result must stay valid until the next call of a function that is not const.
+  /// Returns code in which the observer need not be called for each instruction. If an instruction and the next
+  /// executed one are both in this code, the hart calls neither retired() nor before() between them, except for calls,
+  /// indirect jumps and mret. The result must stay valid until the next call of a function that is not const.
   virtual QuietCode quiet() const { return {}; }
-  /// Returns null if the observer needs each instruction. Otherwise, the observer only receives the steps that may
-  /// enter another function: translated code records these steps, and the hart does not call before(). The hart may
-  /// report steps late, but before any other event. The result must not change while the observer is set.
+  /// Returns null if the observer needs each instruction. Otherwise, the observer only receives the steps from one
+  /// instruction to the next that may enter another function: translated code records these steps, and the hart does
+  /// not call before(). The hart may report steps late, but before any other event. The result must not change while
+  /// the observer is set.
   virtual const FlowMap* flow() const { return nullptr; }
   /// Called with the steps that translated code has recorded, in their order. During the call, the hart's counters
   /// contain their values after the last step.

@@ -43,7 +43,7 @@ void Pmp::set_configurations(unsigned index, std::uint32_t value) {
     const auto entry = 4 * index + i;
     if (entry >= entries_ || is_locked(entry)) continue;
     auto configuration = static_cast<std::uint8_t>(value >> (8 * i) & kWritable);
-    // Write without read is reserved.
+    // A configuration that allows writes but no reads is reserved.
     if ((configuration & kRead) == 0) configuration &= static_cast<std::uint8_t>(~kWrite);
     configurations_[entry] = configuration;
   }

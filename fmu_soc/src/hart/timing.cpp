@@ -23,7 +23,7 @@ bool load_stall(const Timing& timing, const Previous& load, const Current& curre
   if (traits_of(current.op).reads_rs2 && current.rs2 == load.rd) return true;
   if (current.rs3 == load.rd) return true;
   if (is_store(current.op)) {
-    // In other instructions, the same field contains rd.
+    // Bits 4:0 of a store's offset are in the field of the word that contains rd in other instructions.
     const bool has_offset = traits_of(current.op).mode == AddressMode::offset;
     return has_offset && timing.store_offset_looks_like_rd() && (static_cast<unsigned>(current.imm) & 31U) == load.rd;
   }

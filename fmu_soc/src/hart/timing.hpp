@@ -26,8 +26,8 @@ enum class CoreKind : std::uint8_t { cv32e40p, ri5cy, rv32imc };
 /// Returns nullopt for other names.
 std::optional<CoreKind> core_kind(std::string_view name);
 
-/// Differences between the cores. Source of CV32E40P's CSRs: its user manual 1.8.3, chapter "Control and status
-/// registers", with the default of one event counter.
+/// Properties in which the modelled cores differ. Source of CV32E40P's CSRs: its user manual 1.8.3, chapter "Control
+/// and status registers". The number of event counters has its default value, 1.
 struct Timing {
   CoreKind kind = CoreKind::ri5cy;
   Extensions options = {};   // extensions in addition to RV32IMC and those that the kind always has
@@ -114,8 +114,8 @@ unsigned own_cycles(const Timing& timing, const Current& current);
 unsigned static_cycles(const Timing& timing, const Previous& two_before, const Previous& before,
                        const Current& current);
 
-/// Returns true if the instruction is a jump that is fetched during the slow instruction before it. Such a jump takes
-/// one cycle. A jalr that waits for its address register is not such a jump.
+/// Returns true if the instruction is a jump that is fetched while the previous instruction still takes several cycles:
+/// see Previous::slow(). Such a jump takes one cycle. A jalr that waits for its address register is not such a jump.
 bool overlaps_slow(const Previous& slow, const Current& current);
 
 /// Returns the largest number of cycles that execution can add to static_cycles(), without the cycle for an unaligned

@@ -37,8 +37,8 @@ void Traps::restart() {
 const Instruction* Traps::leave_handler(const Instruction* at) {
   MEBOTS_ASSERT(at->op == Op::mret);
   auto& e = execution_;
-  // An interrupt may return to any pc, and blocks that start at all these pcs would fill the cache. Exceptions return
-  // to few pcs.
+  // Execution::cut_pc prevents a new block at a pc to which an interrupt returns. Such a pc may be any instruction, and
+  // blocks at all of them would fill the cache. Exceptions return to few pcs.
   const bool from_interrupt = (csrs_.last_trap().cause & cause::kInterrupt) != 0;
   e.pc = csrs_.leave_handler();
   e.cut_pc = from_interrupt ? e.pc : kNoPc;
@@ -72,9 +72,10 @@ Traps::Progress Traps::progress_since_last(std::uint32_t cause) const {
   const auto& last = state_.last_exception;
   if (state_.repeats == 0) return Progress::some;
   if (last.instructions == e.counters.instructions) return Progress::none;
-  // Correct code may execute the same ecall repeatedly.
+  // Correct code may execute the same ecall or ebreak repeatedly.
   if (is_call(cause) || last.pc != e.pc || last.cause != cause) return Progress::some;
-  // The exception occurred in its own handler, which decreases the stack pointer at each entry.
+  // If the stack pointer is lower than at the last exception, a handler has caused the exception itself. Each entry
+  // into the handler decreases the stack pointer.
   if (e.x[kStackPointer] < last.registers[kStackPointer]) return Progress::none;
   const auto same = std::equal(last.registers.begin() + 1, last.registers.end(), e.x.begin() + 1);
   if (!same) return Progress::some;

@@ -63,7 +63,7 @@ struct LastException {
   }
 };
 
-/// The state of the traps of a core, which translated code changes at an ecall and at mret.
+/// State of a core's trap handling. Translated code changes it at an ecall and at mret.
 struct TrapState {
   Fault fault;
   LastException last_exception;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Lowering of loads and stores in the two fast memories. The interpreter performs other accesses, such as misaligned
-// accesses to the second memory and stores to marked words.
+// accesses to the second memory and stores to words that have a mark (see Region).
 #include "instructions/load_store.hpp"
 
 #include "mebots/assert.hpp"
@@ -38,8 +38,8 @@ void check_address(Assembler& c, const Reg32& offset, const Reg32& scratch, cons
   c.jae(other, kNear);
 }
 
-/// Writes code that computes the offset in the first memory in eax, and jumps to `other` if the address is outside the
-/// memory or misaligned. Returns a label at the end of this code.
+/// Writes code that computes in eax the offset of the address from the start of the first memory. The code jumps to
+/// `other` if the address is outside this memory or misaligned. Returns a label at the end of this code.
 Label emit_address(Assembler& c, const Instruction* at, unsigned size, Label& other) {
   const auto mode = traits_of(at->op).mode;
   MEBOTS_ASSERT(size == 1 || size == 2 || size == 4);
@@ -73,9 +73,9 @@ void emit_middle_of_word(Assembler& c, unsigned size, Label& inside) {
   c.L(other);
 }
 
-/// Writes code for an access to two words. A store jumps to `marked` if one of the words is marked. Near the end of a
-/// block, writes no code for a load. The interpreter executes this load, because it may change the cycles of the next
-/// block.
+/// Writes code for an access to two words. A store jumps to `marked` if one of the words is marked. Writes no code for
+/// a load that is one of the last two instructions of a block. Such a load may change the cycles of the next block, so
+/// the interpreter executes it.
 void emit_across_words(Assembler& c, const Instruction* at, unsigned size, Label& marked, Label& claimed) {
   if (size == 1 || (is_load(at->op) && (is_block_end(at[1].op) || is_block_end(at[2].op)))) return;
   Label other;
@@ -105,7 +105,7 @@ void emit_across_words(Assembler& c, const Instruction* at, unsigned size, Label
 /// Writes code that adds the increment of a post-increment to the address register. The code changes ecx and edx.
 void emit_increment(Assembler& c, const Instruction* at) {
   const auto mode = traits_of(at->op).mode;
-  // The loaded value replaces the incremented address.
+  // If a load writes its own address register, the loaded value replaces the incremented address.
   if (at->rs1 == 0 || (is_load(at->op) && at->rd == at->rs1)) return;
   const auto add_to = [&c, at, mode](const Xbyak::Operand& to) {
     if (mode == AddressMode::post_immediate) {
@@ -133,8 +133,9 @@ void emit_read(Assembler& c, const Reg32& to, const Xbyak::RegExp& from, unsigne
   }
 }
 
-/// Writes code that counts an access to the second memory at offset ecx and its wait cycles. The code changes eax and
-/// edx. If the interpreter must perform the access, the code only jumps to `left`.
+/// Writes code that counts an access to the second memory, and the cycles that the access waits. The offset in the
+/// memory must be in ecx. The code changes eax and edx. If the interpreter must perform the access, the code only jumps
+/// to `left`.
 void emit_far_wait(Assembler& c, const Instruction* at, Label& left) {
   const auto& ram = c.ram[1];
   if (ram.is_shared()) {
@@ -149,9 +150,9 @@ void emit_far_wait(Assembler& c, const Instruction* at, Label& left) {
   if (ram.wait_cycles != c.ram[0].wait_cycles) c.cycles.spend(ram.wait_cycles - c.ram[0].wait_cycles);
 }
 
-/// Writes code for a quiet load from a device at the address `ram[0].base + eax`. The code jumps to `done` after such a
-/// load, and has no effect for all other loads, which the interpreter performs. `take(from)` must write code that moves
-/// the value at `from` to its destination.
+/// Writes code that loads from a device at the address `ram[0].base + eax` with Bus::load_quietly(), and then jumps to
+/// `done`. If load_quietly() cannot perform the load, the code has no effect, and the interpreter performs the load.
+/// `take(from)` must write code that moves the value at `from` to its destination.
 template <typename Take>
 void emit_quiet_load(Assembler& c, const Instruction* at, unsigned size, const Block& block, Take take, Label& done) {
   if (c.stubs.device == nullptr) return;
@@ -165,11 +166,12 @@ void emit_quiet_load(Assembler& c, const Instruction* at, unsigned size, const B
   c.call(c.stubs.device);
   c.test(rax, rax);
   c.js(rare);
-  // The rest of the block must start before the limit.
+  // If the rest of the block might not start before the limit, the interpreter performs the load.
   c.sub(r15, rax);
   c.cmp(r15, c.blocks.fetch_bound(block));
   c.jle(too_late);
-  // The code at the end of the block counts a wait for the first memory, which a load from a device does not have.
+  // The code at the end of the block counts the wait cycles of the first memory for this load. A load from a device has
+  // none of them, so they are taken back here.
   if (c.ram[0].wait_cycles != 0) c.add(r15, c.ram[0].wait_cycles);
   c.inc(qword[rbx + static_cast<int>(offsetof(Execution, counters.device_accesses))]);
   c.fetches.repeat_after(at);
@@ -192,7 +194,8 @@ bool emit_load(Assembler& c, const Instruction* at) {
   auto inside = emit_address(c, at, size, other);
   c.cycles.claim_bank(at, size == 4);
   c.L(claimed);
-  // If the load writes the register with the increment, the old value of this register is still needed.
+  // A post-increment reads its increment after the load. If the load writes the register that contains the increment,
+  // the old value is needed until then.
   const bool is_own_step = traits_of(at->op).mode == AddressMode::post_register && step_register(at) == at->rd;
   const auto to = c.registers.place(at->rd, eax, is_own_step);
   const bool into_vector = size == 4 && c.registers.in_vector(at->rd) && !is_own_step;

@@ -103,8 +103,8 @@ bool lower(translate::Assembler& c, const Instruction* at) {
 
 }  // namespace binding
 
-/// Returns the Operation for encodings whose second operand is one of `kOperands`. Other kinds of operand get the
-/// handler for a register. If `kOperands` contains no register, they get the handler for its first kind.
+/// Returns the Operation for encodings whose second operand is one of `kOperands`. For each other kind of operand, the
+/// handler is that of a register. If `kOperands` contains no register, it is that of the first kind in `kOperands`.
 template <Op kOp, auto kExecute, Operand... kOperands>
 constexpr Operation operation(Lowering emit) {
   constexpr std::array kGiven{kOperands..., Operand::reg};
@@ -130,7 +130,7 @@ constexpr Operation operation(Lowering emit) {
 #define MEBOTS_LOWERING(emit) nullptr
 #endif
 
-// Operations of each family, in the order of its table.
+// Declares the operations of each family, in the order of the rows of its table isa/*.decode.
 #define MEBOTS_FAMILY(family, count)         \
   namespace family {                         \
   extern const Operation kOperations[count]; \

@@ -213,7 +213,7 @@ const Instruction* execute_fsqrt_s(Execution& e, const Instruction* at) {
   return run_rounded(e, at, [&](Context& c) { return float32::square_root(e.x[at->rs1], c); });
 }
 
-/// Computes (+-a) * b + (+-c).
+/// Computes a * b + c. If set, the sign bits in `product_sign` and `sum_sign` invert the signs of a and c.
 const Instruction* run_multiply_add(Execution& e, const Instruction* at, Word product_sign, Word sum_sign) {
   const auto rs3 = third_register(*at);
   return run_rounded(e, at, [&](Context& c) {

@@ -83,8 +83,8 @@ void emit_jal(Assembler& c, const Instruction* at) {
   if (at->rd != kNoRegister) c.registers.set(at->rd, at[1].pc);
   c.edges.jump(at, static_cast<std::uint32_t>(at->imm), at->rs2 == 0);
 }
-/// Returns false if the instruction before the jalr hides the cost of an unaligned target (rs2 is not 0), which is
-/// rare.
+/// Returns false if rs2 is not 0. The decoder then found that the instruction before the jalr hides the cost of an
+/// unaligned target. The interpreter executes this rare case.
 bool emit_jalr(Assembler& c, const Instruction* at) {
   if (at->rs2 != 0) return false;
   const auto base = c.registers.value(at->rs1, eax);

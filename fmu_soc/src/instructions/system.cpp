@@ -83,7 +83,7 @@ void resume_if_rare(Assembler& c, const Instruction* at, Label rare) {
   });
 }
 
-/// Stores a word of CsrState, whose old value is in eax. Changes ecx.
+/// Writes code that stores a word of CsrState. eax must contain the old value. The code changes ecx.
 void emit_csr_write(Assembler& c, const Instruction* at, const CsrForm& form) {
   if (traits_of(at->op).kind == OpKind::csr_immediate) {
     c.mov(ecx, at->rs1);
@@ -96,7 +96,8 @@ void emit_csr_write(Assembler& c, const Instruction* at, const CsrForm& form) {
   c.mov(csr_word(form.slot), ecx);
 }
 
-/// Writes code for reads of counters, and for accesses to plain words. Returns false for all other accesses.
+/// Writes code for reads of counters, and for accesses to registers that keep a word (CsrForm::Kind::word). Returns
+/// false for all other accesses.
 bool emit_csr_access(Assembler& c, const Instruction* at) {
   using Kind = CsrForm::Kind;
   const auto form = Csrs::form(c.blocks.timing(), static_cast<unsigned>(at->imm));
@@ -118,7 +119,8 @@ bool emit_csr_access(Assembler& c, const Instruction* at) {
 #endif
 
 #ifdef MEBOTS_TRANSLATES
-/// Sets rdx to the core's CsrState, and rcx to its TrapState. Jumps to `rare` if a trap may change a privilege mode.
+/// Writes code that loads the addresses of the core's CsrState into rdx and of its TrapState into rcx. If a trap may
+/// change a privilege mode, the code jumps to `rare`.
 void emit_trap_state(Assembler& c, Label& rare) {
   emit_csr_state(c, rare);
   if (c.blocks.timing().options.has(Extension::user)) {
@@ -128,8 +130,8 @@ void emit_trap_state(Assembler& c, Label& rare) {
   c.mov(rcx, ptr[rbx + translate::offset_of_host(offsetof(HostState, traps))]);
 }
 
-/// Writes code that takes the exception as Traps::take_exception() does, if no other exception is being handled, and if
-/// the handler is the same as last time.
+/// Writes code that takes the exception of an ecall, as Traps::take_exception() does. The code leaves this to the
+/// interpreter if another exception is being handled, or if the handler has changed since the last ecall.
 bool emit_ecall(Assembler& c, const Instruction* at) {
   static_assert(std::is_standard_layout_v<TrapState> && std::is_standard_layout_v<CsrState>);
   if (c.options.perform == nullptr || at->link == 0 || !c.blocks.block(at->link).valid()) return false;
@@ -182,8 +184,8 @@ bool emit_ecall(Assembler& c, const Instruction* at) {
   return true;
 }
 
-/// Writes code that returns from the handler of an exception as Traps::leave_handler() does, if no interrupt is taken
-/// then.
+/// Writes code that returns from the handler of an exception, as Traps::leave_handler() does. If an interrupt would be
+/// taken directly afterwards, the interpreter executes the mret.
 bool emit_mret(Assembler& c, const Instruction* at) {
   if (c.options.perform == nullptr) return false;
   const bool has_user = c.blocks.timing().options.has(Extension::user);

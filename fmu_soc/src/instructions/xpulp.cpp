@@ -51,7 +51,7 @@ void emit_p_bneimm(Assembler& c, const Instruction* at) {
 }
 #endif
 
-// Loads: instructions/load_store.hpp
+// Loads: instructions/load_store.hpp executes them, except for p.elw.
 
 const Instruction* execute_p_elw(Execution& e, const Instruction* at) {
   return e.units->data_path.event_load(at);
@@ -121,7 +121,8 @@ Xbyak::Address loop_register(const Instruction* at, std::size_t offset) {
   MEBOTS_ASSERT(is_hardware_loop(at->op) && at->rs2 < 2);
   return dword[rbx + translate::offset_of_loop(at->rs2) + static_cast<int>(offset)];
 }
-/// Returns false if blocks do not end at `pc` yet, because only the interpreter can change this.
+/// Returns false if blocks do not end at `pc` yet. The interpreter must then execute the instruction and end blocks
+/// there.
 bool emit_set_loop_end(Assembler& c, const Instruction* at, std::uint32_t pc) {
   if (!c.blocks.may_end_loop(pc)) return false;
   c.mov(loop_register(at, offsetof(HardwareLoop, end)), pc);
@@ -295,7 +296,7 @@ void emit_p_clipu(Assembler& c, const Instruction* at) {
 
 // Sums that are shifted right. Their traits state whether they subtract, round, and extend the sign.
 
-/// Returns half of the lowest bit that remains after the shift.
+/// Returns the value that rounds a sum before the shift: half of the lowest bit that remains after the shift.
 constexpr Word rounding(Word shift) {
   return (Word{1} << shift) >> 1;
 }

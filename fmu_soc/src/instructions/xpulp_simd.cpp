@@ -469,7 +469,8 @@ constexpr Word execute_pv_shuffle(Word a, Word selectors) {
     return part<decltype(selector)>(a, selector % kParts<decltype(selector)>);
   });
 }
-/// Like execute_pv_shuffle() for two words. Selectors count the parts of `low` first, and then those of `high`.
+/// Like execute_pv_shuffle() for two words. A selector is the number of a part: first the parts of `low`, then those of
+/// `high`.
 template <Op kOp>
 constexpr Word execute_pv_shuffle2(Word low, Word high, Word selectors) {
   return on_parts<Unsigned<kOp>>(selectors, 0, [low, high](auto selector, auto) {
@@ -499,7 +500,7 @@ struct Part {
   int position;
   std::uint32_t low;  // mask of a part at position 0
 };
-/// Returns the part that the immediate selects.
+/// Returns the half or byte of a word whose number is the immediate.
 Part part_of(const Instruction* at) {
   const auto bits = on_bytes(at->op) ? 8U : 16U;
   return {static_cast<int>((static_cast<unsigned>(at->imm) % (32 / bits)) * bits), (1U << bits) - 1U};

@@ -101,7 +101,8 @@ Decoded decode(std::uint32_t word, Extensions has) {
 std::int32_t operand_value(const Decoded& decoded) {
   if (decoded.operand != Operand::immediate) return decoded.imm;
   const auto value = static_cast<std::uint32_t>(decoded.imm);
-  // The selectors of a shuffle are moved to the lowest bits of the parts that they determine.
+  // The immediate of a shuffle contains a selector for each part of the result. Each selector is moved to the lowest
+  // bits of this part.
   switch (row_of(decoded.encoding->format).value) {
     case Value::as_it_is:
       return decoded.imm;

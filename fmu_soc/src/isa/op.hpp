@@ -112,8 +112,8 @@ inline constexpr auto kNameInStates = name_in_states();
 
 }  // namespace op_rows
 
-/// Name under which a state stores the number of an operation. A build with other operations uses another name, and
-/// therefore refuses the state.
+/// Name under which a saved state contains the number of an operation. A build with other operations uses another name,
+/// and therefore refuses the state.
 inline constexpr std::string_view kOpInStates(op_rows::kNameInStates.data(), op_rows::kNameInStates.size());
 
 inline constexpr int kOpCount = static_cast<int>(op_rows::kTraits.size());

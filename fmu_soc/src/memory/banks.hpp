@@ -22,15 +22,15 @@ namespace mebots::soc {
 class Banks {
  public:
   static constexpr unsigned kMost = 32;
-  /// Number of ticks after which the scheduler must move the used rows to the front of the table; see
+  /// Number of ticks after which the scheduler must move the rows that are still used to the front of the table: see
   /// must_start_over().
   static constexpr std::uint64_t kTurn = 4096;
   /// kLongestRun is the maximum number of ticks of one run of translated code. The last block of the run can exceed it
   /// by at most kLongestBlock ticks.
   static constexpr std::uint64_t kLongestRun = 1024;
   static constexpr std::uint64_t kLongestBlock = 5120;
-  /// Number of ticks, from the start of the table, that can be claimed. A core may reach the last of these ticks and
-  /// wait there.
+  /// Number of ticks, from the start of the table, in which banks can be claimed. A core may reach the last of these
+  /// ticks and wait there.
   static constexpr std::uint64_t kReach = kLongestRun + kLongestBlock + 1024;
 
   /// `count` must be a power of two, at most kMost.
@@ -49,18 +49,19 @@ class Banks {
     while (at < end && taken_[place_of(at, address)] != 0) ++at;
     return static_cast<std::uint32_t>(at - tick);
   }
-  /// Claims the cycle that wait() finds. Returns the number of ticks from `tick` to that cycle.
+  /// Claims the bank in the first tick in which it is free: see wait(). Returns the number of ticks from `tick` to this
+  /// tick.
   std::uint32_t claim(std::uint64_t tick, std::uint32_t address) {
     const auto waited = wait(tick, address);
     if (tick + waited < start_ + kReach) byte_of(tick + waited, address) = 1;
     return waited;
   }
-  /// Returns the number of ticks from `tick` in which conflicts are possible.
+  /// Returns the number of ticks from `tick` to the end of the table. All banks are free after the end.
   std::uint64_t ticks_left(std::uint64_t tick) const { return start_ + kReach - std::min(tick, start_ + kReach); }
 
   /// Claims the banks of all words from `address` up to, but not including, `end` in `tick`. If a bank is already
-  /// claimed, claims its next tick without a check. Therefore at most one other user may claim cycles. Returns 1 if any
-  /// bank was already claimed, otherwise 0.
+  /// claimed, claims its next tick without a check, because a memory serves the DMA and the cores in turn. Must only be
+  /// called for the DMA. Returns 1 if any bank was already claimed, otherwise 0.
   std::uint32_t claim_or_next(std::uint64_t tick, std::uint32_t address, std::uint32_t end) {
     if (tick < start_ || tick + 1 >= start_ + kReach) return 0;
     auto* row = &byte_of(tick, 0);
@@ -86,13 +87,12 @@ class Banks {
 
   /// Returns true if start_over() must be called to move to `tick`.
   bool must_start_over(std::uint64_t tick) const { return tick >= base_ + kTurn; }
-  /// Removes the rows before `tick`, and moves the others to the front of the table. No tick after `last` may be
-  /// claimed. Returns the number of bytes by which the rows were moved.
+  /// Removes the rows before `tick`, and moves the others to the front of the table. There must be no claims after tick
+  /// `last`. Returns the number of bytes by which the rows were moved.
   std::uint64_t start_over(std::uint64_t tick, std::uint64_t last) {
     move_to(tick);
     const auto first = std::min(tick - base_, kRows);
     const auto rows = last < tick ? 0 : std::min(last + 1 - tick, kRows - first);
-    // The rows move by at least kTurn rows, or not at all.
     std::copy_n(taken_.data() + first * count_, rows * count_, taken_.begin());
     clear(base_ + std::max(first, rows), base_ + first + rows);
     const auto moved = (tick - base_) * count_;
@@ -105,7 +105,7 @@ class Banks {
   /// Returns the address of the first bank's byte in a tick, for translated code. The row of the next tick is count()
   /// bytes later.
   std::uint8_t* row(std::uint64_t tick) { return &byte_of(std::max(tick, start_), 0); }
-  /// Returns the address of a pointer to the row after the last row for which a core can wait.
+  /// Returns the address of a pointer to the end of the rows in which a bank can be claimed.
   const std::uint8_t* const* horizon() const { return &horizon_; }
   /// Returns a table to which translated code writes if the memory has a single user. The content is not used.
   std::uint8_t* unread() { return unread_.data(); }
@@ -176,7 +176,8 @@ class BankSchedule {
   std::uint32_t wait(std::uint64_t cycle, std::uint32_t address) const {
     return banks_->wait(cycle + offset_, address);
   }
-  /// Returns the number of cycles from active cycle `cycle` in which conflicts are possible.
+  /// Returns the number of cycles from active cycle `cycle` to the end of the bank table. All banks are free after the
+  /// end.
   std::uint64_t cycles_left(std::uint64_t cycle) const { return banks_->ticks_left(cycle + offset_); }
 
   /// Claims a bank for an access in active cycle `cycle`. Returns the number of cycles that the access waits.

@@ -39,13 +39,15 @@ class Bus {
                                 unsigned /*size*/) {
     return {};
   }
-  /// Loads `size` aligned bytes if the load is quiet. Otherwise has no effect, and the kind of the reply is not `done`.
+  /// Loads `size` aligned bytes from a device, but only if the caller need not check for events afterwards: see
+  /// Device::load_is_quiet(). Otherwise has no effect, and the kind of the reply is not `done`.
   virtual BusReply load_quietly(std::uint32_t /*address*/, std::uint64_t /*cycle*/, unsigned /*size*/) noexcept {
     return {};
   }
   /// Called when the core takes the interrupt of this line. Some event units then clear the event.
   virtual void interrupt_taken(unsigned /*line*/) {}
-  /// Called after a store into a watched word. The run ends with this store if the function returns true.
+  /// Called after a store into a word that the host watches, such as `tohost`. The run ends with this store if the
+  /// function returns true.
   virtual bool watched(std::uint32_t address) = 0;
   /// Called for an exception at the core's pc, such as an ebreak or ecall. Returns true if the exception was a call to
   /// the host and the host has executed it. The program then continues after the four bytes at the pc.

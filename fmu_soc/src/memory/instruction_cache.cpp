@@ -17,8 +17,8 @@ namespace {
 /// memory. Translated code can then address them with one instruction less, relative to the memory.
 constexpr std::size_t kLeastPresenceBytes = std::size_t{256} << 10;
 
-/// The values of the shift register from 0 on. It shifts to the left; bit 0 becomes 1 if an even number of bits 7, 3, 2
-/// and 1 is set.
+/// The values of the shift register after each number of shifts, from 0 on. The register shifts to the left, and sets
+/// bit 0 if an even number of the bits 7, 3, 2 and 1 is set.
 constexpr auto kShifted = [] {
   constexpr unsigned kTaps = 0x8e;
   std::array<std::uint8_t, InstructionCache::kShiftPeriod> values{};
@@ -175,7 +175,7 @@ void InstructionCache::flush() {
 }
 
 void InstructionCache::visit(state::Visitor& v) {
-  // In a state, entries are sorted by set, then by way.
+  // In a saved state, entries are sorted by set, then by way.
   std::vector<Entry> entries(entries_.size());
   std::vector<std::uint64_t> arrivals(arrivals_.size());
   const auto place_of = [this](std::size_t i) { return i % ways_ * sets() + i / ways_; };

@@ -59,7 +59,7 @@ class InstructionCache {
   std::uint32_t ways() const { return ways_; }
 
   bool is_shared() const { return !arrivals_.empty(); }
-  /// Returns the number of consecutive lines, from this one on, that lie in consecutive sets.
+  /// Returns the number of consecutive lines, from this one on, up to the line in the last set.
   std::uint32_t lines_before_first_set(std::uint32_t line) const { return set_mask_ + 1 - (line & set_mask_); }
 
   /// Returns true if the cache contains the line or is fetching it.
@@ -69,9 +69,9 @@ class InstructionCache {
     const auto number = number_of(line);
     return is_covered(number) && present_[number] != 0;
   }
-  /// Returns the presence byte of the line that contains this address, or null if no covered memory contains the
-  /// address. The byte is 1 if the line has arrived. The presence bytes of the next lines of the same memory follow
-  /// this byte.
+  /// Returns the presence byte of the line that contains this address. Returns null if cover() was called for no memory
+  /// that contains the address. The byte is 1 if the line has arrived. The presence bytes of the next lines of the same
+  /// memory follow this byte.
   const std::uint8_t* presence(std::uint32_t address) const;
   /// Fetches the line if it is absent. Returns the number of cycles that a fetch in cycle `tick` waits.
   std::uint32_t fetch(std::uint32_t line, std::uint64_t tick);
@@ -89,10 +89,12 @@ class InstructionCache {
     }
     return refill_cycles_;
   }
-  /// Undoes refills of the last group of lines that translated code has fetched. Bit i of `lines` is set if the refill
-  /// of the group's line i is undone. Each line before such a line must be kept. Returns the number of refills undone.
+  /// Undoes refills of the group of lines that translated code has fetched last. If bit i of `lines` is set, undoes the
+  /// refill of the group's line i. The bits must belong to the last lines of the group. Returns the number of refills
+  /// that were undone.
   std::uint32_t undo_refills(std::uint32_t lines);
-  /// Informs a shared cache that no core will access it before this tick.
+  /// Only for a shared cache. Marks all lines that arrive at or before `tick` as present. Afterwards, no core may
+  /// access the cache in an earlier tick.
   void settle(std::uint64_t tick) {
     if (!pending_refills_.empty()) [[unlikely]]
       note_arrivals(tick);
@@ -108,18 +110,19 @@ class InstructionCache {
   static constexpr std::uint32_t kNoLine = ~std::uint32_t{0};  // in a state: marks an empty entry; no code is there
   /// Maximum number of lines that translated code fetches together.
   static constexpr std::uint32_t kMostGrouped = 16;
-  /// Number of values of the shift register, which start at 0 and repeat.
+  /// Number of refills after which the values of the shift register repeat.
   static constexpr std::uint32_t kShiftPeriod = 255;
 
-  /// Stores what a refill changes. Translated code accesses it if the cache has one user. Covered lines have numbers
-  /// from 1 on. Consecutive lines of a memory have consecutive numbers.
+  /// Data that a refill changes. Translated code accesses them if the cache has one user. Lines of memories have
+  /// numbers from 1 on. Consecutive lines of a memory have consecutive numbers.
   struct State {
     std::uint64_t refills = 0;
     std::uint32_t shifts = 0;  // of the shift register, modulo kShiftPeriod
-    /// Offset [bytes] from an entry in way 0 to the entry in the way that the next refill replaces, by `shifts`. The
-    /// first values follow again at the end, so that the offsets of a group's refills are consecutive.
+    /// Indexed by `shifts`: the offset [bytes] from an entry in way 0 to the entry in the way that the next refill
+    /// replaces. The array repeats its first values at the end, so that the offsets of a group's refills are
+    /// consecutive.
     std::array<std::uint32_t, kShiftPeriod + kMostGrouped> way_offsets{};
-    // The last group with an absent line. Lines have bits, from the group's first line on.
+    // The group of lines that translated code has refilled last. Bit i belongs to line i of the group.
     std::uint64_t group_when = 0;                             // counts of translated code at that time
     std::uint32_t group = 0;                                  // number of its first line
     std::uint32_t group_refilled = 0;                         // lines that were absent
@@ -129,21 +132,21 @@ class InstructionCache {
   State& state() { return state_; }
   const State& state() const { return state_; }
   std::uint8_t shift_register() const;
-  /// Returns the number of a covered line.
+  /// Returns the number of a line, or kNone if no memory contains the line.
   std::uint32_t number_of(std::uint32_t line) const {
     if (line - covered_first_ >= covered_count_) return number_elsewhere(line);
     return covered_number_ + (line - covered_first_);
   }
-  /// Returns the presence bytes by number of the line.
+  /// Returns the presence bytes, indexed by the number of the line.
   const std::uint8_t* presence_by_number() const { return present_.get(); }
-  /// Returns the entry of way 0 in the set of a line: the number of the line that it holds.
+  /// Returns the entry of way 0 in the set of a line. An entry is the number of the line that is in this way.
   const std::uint32_t* first_entry(std::uint32_t line) const { return &entries_[line & set_mask_]; }
 
  private:
   static constexpr std::uint32_t kNone = 0;  // number of no line; its presence byte has no meaning
-  /// Bit of the number of a line while no memory is covered.
+  /// Bit that is set in the number of each line as long as cover() was not called.
   static constexpr std::uint32_t kNotCovered = 1U << 31;
-  /// Bit of the shift register that is the lowest bit of the way to refill.
+  /// Number of the lowest bit of the way to refill within the shift register.
   static constexpr unsigned kWayBit = 1;
 
   /// An entry in a saved state.
@@ -199,7 +202,7 @@ class InstructionCache {
   std::vector<std::uint32_t> entries_;   // numbers of lines, sorted by way, then by set
   std::vector<std::uint64_t> arrivals_;  // tick in which each line arrives; empty if the cache has one user
   State state_;
-  // These members are not part of a state. They are the covered memories, the memory that was found last, and the
+  // These members are not part of a saved state. They are the covered memories, the memory that was found last, and the
   // presence byte of each line, which follows from the entries.
   std::vector<Covered> memories_;
   mutable std::uint32_t covered_first_ = 0;
@@ -207,7 +210,7 @@ class InstructionCache {
   mutable std::uint32_t covered_number_ = 0;
   std::unique_ptr<std::uint8_t[]> present_;
   // Only for a shared cache: indices of entries whose lines may not have arrived for all cores. The list may also
-  // contain lines that have arrived. Not part of a state.
+  // contain entries whose lines have arrived. Not part of a saved state.
   std::vector<std::size_t> pending_refills_;
   bool is_alone_;  // last argument of set_alone()
 };

@@ -73,8 +73,8 @@ class Memory {
   /// Must be called after bytes in RAM were changed, except by loading a program. Invalidates the code that was decoded
   /// from these bytes. Returns true if there was such code.
   bool changed(std::uint32_t address, std::uint32_t count);
-  /// Reports to all cores that these bytes have changed, even if no code was decoded from them. Used if blocks that
-  /// contain these bytes must end elsewhere.
+  /// Reports to all cores that these bytes have changed, even if no code was decoded from them. Also used if only the
+  /// ends of blocks change, so that the blocks that contain these bytes must be decoded again.
   void invalidate_code(std::uint32_t address, std::uint32_t count);
   void forget_code();
 
@@ -83,7 +83,7 @@ class Memory {
     std::uint32_t address = 0;
     std::uint32_t count = 0;
   };
-  /// Returns a number that increases with each change. Each core compares this number before it continues.
+  /// Returns a number that increases with each change of code. Each core compares this number before it continues.
   std::uint64_t code_generation() const { return code_generation_; }
   /// Returns the change with the number `generation`, which must be below code_generation(). Returns null if the change
   /// is too old or affected all code.
@@ -91,8 +91,8 @@ class Memory {
     return generation < oldest_change_ ? nullptr : &changes_[generation % kKeptChanges];
   }
 
-  /// Visits the contents of all regions, and the marks of hardware loops. A state contains these marks, because blocks
-  /// end there, and a core of the cluster stops at the end of a block.
+  /// Visits the contents of all regions, and the marks at the ends of hardware loops. A saved state contains these
+  /// marks, because they determine where blocks end. A core of the cluster only stops at the end of a block.
   void visit(state::Visitor& v);
 
  private:

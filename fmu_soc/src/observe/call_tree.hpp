@@ -44,8 +44,8 @@ class CallTree {
   CallTree() : nodes_(1) {}
   static constexpr std::uint32_t kRoot = 0;
 
-  /// Returns the number of the node for `place` whose caller is `parent`. If there is no such node, creates it. The
-  /// number of a child is greater than the number of its parent.
+  /// Returns the number of the child of `parent` for a place (a function, or a state of the core such as "asleep"). If
+  /// there is no such child, creates it. The number of a child is greater than the number of its parent.
   std::uint32_t child(std::uint32_t parent, std::uint32_t place) {
     const auto& recent = recent_[index_of_recent(parent, place)];
     // The root is never a child.

@@ -54,7 +54,7 @@ Cost CoreProfile::now_of_chip() const {
   return cost;
 }
 
-/// Returns the energy of the chip that belongs to this hart.
+/// Returns the part of the chip's energy that this hart gets: see the class comment.
 std::int64_t CoreProfile::energy_fj(double chip_j) const {
   const auto of_core = [this](unsigned number) {
     return std::llround(soc_.power().cluster_core_energy_j(core_of_hart(number)) / kFemtojoule);
@@ -95,16 +95,18 @@ void CoreProfile::retired(const Hart& hart, const Retired& instruction) {
   step({decoded.op, decoded.rd, decoded.rs1, instruction.pc + decoded.length, hart.pc()}, [this] { return now(); });
 }
 
-/// Adds the costs of steps that translated code has recorded. Between these steps, only this hart's counts change. The
-/// time of a step is computed from the hart's cycles and rounded as in now(), so that rounding errors do not
-/// accumulate. The energy of a step is linear in the counts.
+/// Adds the costs of steps that translated code has recorded. Only this hart's counts have changed during these steps.
+/// Therefore the energy at each step is the present energy, minus the energy of the counts that this hart has added
+/// since the step. The time of a step is computed from the hart's cycles and rounded as in now(), so that rounding
+/// errors do not accumulate.
 void CoreProfile::flowed(const Hart& hart, std::span<const Flow> steps) {
   const auto last = now();
   const auto per_count = soc_.power().energy_per_count(number_);
   const auto per_fetch_cycle_j =
       number_ == 0 ? soc_.power().refill_words_per_fetch_cycle() * per_count.refill_word_j : 0.0;
   const auto& end = steps.back();
-  // The energy already contains the refills of cache lines that arrived after the last step.
+  // The present energy also contains refills of cache lines that arrived after the last step. Therefore the hart's
+  // counter is used instead of end.fetch_cycles.
   const auto fetch_cycles = hart.counters().fetch_cycles;
   for (const auto& flow : steps) {
     const auto cycles = static_cast<double>(end.cycles - flow.cycles);
@@ -146,7 +148,8 @@ QuietCode CoreProfile::quiet() const {
   return stack_.back().kind == Kind::function ? functions_.code(stack_.back().place) : QuietCode{};
 }
 
-/// Continues the top frame at `address`. If the address is in another function, replaces the function of the frame.
+/// Continues at `address` without a call or return. If the address is in another function, this function replaces the
+/// present one at the top of the stack.
 template <typename Now>
 void CoreProfile::go_to(std::uint32_t address, Now now) {
   auto& top = stack_.back();

@@ -36,10 +36,10 @@ class CoreProfile final : public Observer {
 
   /// Restarts the call stack after the chip was restored to an earlier state. The counts are kept.
   void restored() { start(); }
-  /// Adds all costs up to now. Must be called between two steps of a run.
+  /// Adds all costs up to now to the call tree. Must be called between two calls that run the chip.
   void settle();
-  /// Adds all costs up to the end of the run. If the last block of a cluster core ends after the chip's time, that
-  /// core's costs end with the block.
+  /// Adds all costs up to the end of the run to the call tree. If the last block of a cluster core ends after the
+  /// chip's time, that core's costs end with the block.
   void finish();
 
   unsigned number() const { return number_; }

@@ -23,7 +23,7 @@ struct StackCost {
   StackCost& operator+=(const StackCost& other);
 };
 
-/// Counts the accesses of all observed cores to one bank of their first memory.
+/// Counts the accesses to one bank of the observed cores' first memory, which all of them share.
 struct BankUse {
   std::uint64_t accesses = 0;
   std::uint64_t conflicts = 0;

@@ -18,15 +18,15 @@ class Functions final : public FlowMap {
  public:
   explicit Functions(const Elf& program);
 
-  /// Returns true if a step from `pc` to `next` may enter another function. The step must be neither a call nor a
-  /// return.
+  /// Returns true if a step from the instruction at `pc` to that at `next` may enter another function. The instruction
+  /// at `pc` must be neither a call nor a return.
   bool may_leave_function(std::uint32_t pc, std::uint32_t next) const override;
 
   /// Returns the function that a call of `address` enters. If no symbol contains the address, the address is used as
   /// the name.
   std::uint32_t entered(std::uint32_t address);
-  /// Returns the function at `address` after a step from `current` that is not a call. If no symbol contains the
-  /// address, returns `current`.
+  /// Returns the function at `address`, which is reached from an instruction of the function `current` without a call.
+  /// If no symbol contains the address, returns `current`.
   std::uint32_t reached(std::uint32_t address, std::uint32_t current);
   /// Returns the number of a place that is not code, such as "asleep".
   std::uint32_t named(std::string_view name);

@@ -36,8 +36,8 @@ void PipelineTrace::retired(const Hart& hart, const Retired& instruction) {
   std::int64_t all = 0;
   for (const auto share : shares.cycles) all += share;
   if (!began_) end_ = kStagesBeforeExecute + static_cast<std::int64_t>(hart.counters().cycles) - all;
-  // Some cycles in F belong to the previous branch or jump: the fetch of its unaligned target is counted for this
-  // instruction.
+  // If the previous branch or jump had an unaligned target, the cycle of its fetch is counted for this instruction.
+  // This cycle belongs to stage F.
   const auto before = is_jump(op) ? shares[CycleCause::branch] : is_branch(op) ? shares[CycleCause::jump] : 0;
   const auto fetch = shares[CycleCause::cache] + (op == Op::mret ? 0 : shares[CycleCause::trap]) + before;
   const auto stall = shares[CycleCause::load_use] + shares[CycleCause::jump_register];

@@ -67,14 +67,15 @@ void PowerTrace::note_states(Picoseconds time) {
 }
 
 void PowerTrace::changed(Picoseconds time) {
-  // After an earlier state was restored, the time may be before the last time in the file.
+  // After an earlier state was restored, the time may be before the last time in the file. Nothing is written until the
+  // chip has reached the last time again.
   if (time < span_start_) return;
   if (time - span_start_ >= kShortest) close_span(time);
   note_states(time);
 }
 
-/// Writes the time span since the last reading: mean values at the start of the span, and then the changes of state
-/// within the span.
+/// Writes the time span since the last call: mean values at the start of the span, and then the changes of state within
+/// the span.
 void PowerTrace::close_span(Picoseconds time) {
   const auto now_j = energies(time);
   writer_->value(span_start_, kClockChannel, span_clock_hz_);

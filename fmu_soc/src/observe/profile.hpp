@@ -18,8 +18,8 @@ namespace mebots::soc::observe {
 /// Stores the counts of a profile in consecutive windows of time. The sum over all windows is equal to the sum over the
 /// call trees.
 ///
-/// A window contains a whole number of the caller's steps. If there are kMost windows, neighbours are joined in pairs,
-/// and later windows are twice as long.
+/// A window ends at a call of stepped(). If there are kMost windows, neighbours are joined in pairs, and later windows
+/// are twice as long.
 class ProfileWindows {
  public:
   static constexpr std::size_t kMost = 1024;
@@ -37,10 +37,11 @@ class ProfileWindows {
 
   ProfileWindows(Picoseconds start, std::size_t harts) : from_(start), to_(start), counted_(harts) {}
 
-  /// Ends a step at `time`. The harts must have counted up to that time.
+  /// Extends the present window to `time`, and closes it if it is long enough. The call trees of the harts must already
+  /// contain all costs up to `time`.
   void stepped(Picoseconds time, const std::deque<CoreProfile>& harts);
-  /// Starts a new window at `time`, which may be earlier than the present window. Must also be called at the end of the
-  /// run.
+  /// Closes the present window, and starts a new one at `time`, which may be earlier. Must also be called at the end of
+  /// the run.
   void restart(Picoseconds time, const std::deque<CoreProfile>& harts);
 
   const std::vector<Window>& windows() const { return windows_; }
@@ -72,11 +73,11 @@ class Profile {
 
   /// Restarts the call stacks after the chip was restored to an earlier state. The counts are kept.
   void restored();
-  /// Must be called at the end of each step of the caller.
+  /// Must be called each time the caller has run the chip, for example after each communication step.
   void stepped();
   const ProfileWindows& windows() const { return windows_; }
-  /// Counts up to now and writes the file. Leaves out cluster cores that executed nothing. Throws Error if the file
-  /// cannot be written.
+  /// Adds all costs up to now and writes the file. Leaves out cluster cores that executed nothing. Throws Error if the
+  /// file cannot be written.
   void finish();
 
  private:

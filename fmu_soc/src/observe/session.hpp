@@ -120,7 +120,7 @@ class Session {
   /// Call GdbServer::checkpoint() and GdbServer::rewind(), if there is a connection for gdb.
   void checkpoint();
   bool rewind();
-  /// Must be called at the end of each step of the caller.
+  /// Must be called each time the caller has run the chip, for example after each communication step.
   void stepped();
   /// Completes the files and reports the end of the run to the debugger.
   void finish(int exit_code);

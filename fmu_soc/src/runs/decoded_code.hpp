@@ -35,8 +35,9 @@ struct DecodedCode {
   const FlowMap* flow = nullptr;                      // null = steps between functions are not recorded
   std::uint64_t times_dropped = 0;                    // number of discarded translations
 
-  /// Returns true if translated code continues after a rare instruction. It does not continue if the limit is loose, or
-  /// if steps between functions are recorded.
+  /// Returns true if translated code calls the interpreter for an instruction without host code, and then continues.
+  /// This is not the case if blocks may run past the limit (loose limit), or if steps into other functions are
+  /// recorded.
   bool performs_rare() const { return !loose_limit && flow == nullptr; }
   bool is_translated() const { return translator != nullptr; }
   /// Returns the number of instructions translated since the last drop_translations(). A repeated translation of an

@@ -10,7 +10,7 @@ namespace mebots::soc {
 namespace {
 
 /// Maximum number of steps that a run can record. An instruction takes at least one cycle and records at most one step.
-/// If the limit is loose, the last block may end after the run's limit.
+/// If blocks may run past the limit (loose limit), the last block may end after the run's limit.
 constexpr std::size_t kMostSteps = FlowLog::kLongestRun + BlockCache::kMaxBlockLength;
 static_assert(FlowLog::kLongestRun >= 2 * Banks::kLongestRun,
               "a run of a round is at most a quantum and the ticks that the core is late");
@@ -56,8 +56,8 @@ void FlowLog::make_absolute(std::span<Flow> steps) const {
   const auto instruction_fj = counters.instruction_fj - host.instruction_fj;
   const auto* banks = decoded_.banks;
   for (auto& step : steps) {
-    // Computes the cycles from the step to the end of the run. The recorded count decreases by one per cycle. If banks
-    // are shared, the recorded value is an address instead, which increases by one row per cycle. If translated code
+    // Computes the cycles from the step to the end of the run. The value that the step recorded decreases by one per
+    // cycle. If banks are shared, it is an address instead, which increases by one row per cycle. If translated code
     // has left a block before its end, the difference is negative, because the cycles of the block are not counted yet.
     auto left = static_cast<std::int64_t>(step.cycles - host.position);
     if (banks != nullptr) left = -left / static_cast<std::int64_t>(banks->count());

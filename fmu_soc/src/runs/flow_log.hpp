@@ -13,17 +13,17 @@ namespace mebots::soc {
 
 class ObservedRun;
 
-/// Records the steps between functions in translated code, and reports them to the observer after the run.
+/// Stores the steps that translated code records (see Flow), and reports them to the observer after the run.
 class FlowLog {
  public:
-  /// Maximum number of cycles of a run that records steps. No block takes more cycles.
+  /// Maximum number of cycles of a run that records steps. The interpreter executes a block that may take more cycles.
   static constexpr std::uint64_t kLongestRun = std::uint64_t{1} << 14;
 
   FlowLog(Execution& execution, const DecodedCode& decoded) : execution_(execution), decoded_(decoded) {}
 
   /// Returns the number of cycles that a run may take without overflowing the log: `cycles` or less.
   std::uint64_t make_room(std::uint64_t cycles);
-  /// Reports the steps of the last run to the observer, if there is one.
+  /// Reports the steps that the last run has recorded to the observer, if there is one.
   void report(const ObservedRun& observed);
 
  private:

@@ -130,11 +130,15 @@ bool Hart::stays_awake() {
   return true;
 }
 
-/// Returns the block at the pc, by the link of the last instruction if possible. Returns 0 if the pc cannot be fetched.
+/// Returns the block at the pc. Uses the link of the last instruction, the number of the block that followed it before,
+/// if this block is still correct. Returns 0 if the pc cannot be fetched.
 ///
-/// Also returns 0 if the hart is at this pc because of a limit or a return from a trap, and no block begins there. Such
-/// a pc may be any instruction, and blocks at all of them would fill the cache. With a loose limit, a block is always
-/// decoded: blocks determine where a core stops, and this place must not depend on earlier decoding.
+/// If blocks may run past the limit (loose limit), decodes the block if necessary. Otherwise the instruction at which a
+/// core stops would depend on what was decoded earlier.
+///
+/// If blocks must not run past the limit, decodes no block at a pc that the hart has reached because of a limit or a
+/// return from a trap, and may return 0. Such a pc may be any instruction, and blocks at all of them would fill the
+/// cache.
 inline std::uint32_t Hart::following() {
   const auto* link = execution_.link;
   if (link == nullptr) {
@@ -157,13 +161,13 @@ inline std::uint32_t Hart::land() {
 }
 
 /// Runs a block as far as the limit allows, or only its first instruction. Returns true if translated code ran and
-/// stopped only at a patch point that is not chained yet.
+/// stopped only because its exit does not lead to the code of the next block yet.
 inline bool Hart::run_block(std::uint32_t number, bool left_translated) {
   const auto& before = execution_.pipeline.before;
   const auto& block = blocks_.block(number);
   MEBOTS_ASSERT(block.valid() && block.pc == execution_.pc);
   // A load before the block may delay the block's first instruction. The last two instructions before the block may
-  // delay an early jump.
+  // delay a jump that is the block's first or second instruction.
   const bool delays_jump = blocks_.delays_jump(block, execution_.pipeline.two_before, before);
   const auto stall = block.stall_after(before);
   const bool at_access = std::exchange(at_access_, false);
@@ -243,7 +247,8 @@ void Hart::step_guarded() {
   e.leave = Leave::trap;
 }
 
-/// Handles the reason for which execution left a block. If the core continues, returns Stop::limit.
+/// Handles the reason for which execution left a block. Returns the reason why the run stops, or Stop::limit if the
+/// core continues.
 Stop Hart::leave() {
   auto& e = execution_;
   const auto why = std::exchange(e.leave, Leave::normal);
@@ -255,7 +260,7 @@ Stop Hart::leave() {
         return Stop::device;
       }
       if (traps_.take_exception()) entered_handler();
-      // Translated code jumps to the handler of an ecall if this link leads there.
+      // The link of the ecall then leads to the handler's block, so that translated code can jump there.
       if (e.trap_cause == cause::kMachineEcall) e.link = &e.exit->link;
       return traps_.fault().happened ? Stop::fault : Stop::limit;
     case Leave::device:
@@ -296,7 +301,8 @@ bool Hart::spins() const {
          (here.op == Op::beq || here.op == Op::bge || here.op == Op::bgeu);
 }
 
-/// Returns the block at the pc, and stores it in the link of the last instruction, if there is one.
+/// Returns the block at the pc. If `link` is not null, stores the block's number there for the next execution of the
+/// last instruction.
 std::uint32_t Hart::following_block(std::uint16_t* link) {
   const auto generation = blocks_.generation();
   const auto number = blocks_.find(execution_.pc);

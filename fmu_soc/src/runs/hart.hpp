@@ -54,7 +54,8 @@ class Hart {
 
   /// Sets the memories that the core can access. The first two memories are on the fast path.
   void connect(std::span<const MemoryPort> ports);
-  /// Sets the banks through which the hart shares the first memory with other users; null if there is no other user.
+  /// Sets the banks of the core's first memory, if other cores or the DMA also use this memory; null if the core is the
+  /// only user.
   void share_first(BankSchedule* banks) { data_path_.share_first(banks); }
   /// Sets the relation between this core's cycles and the ticks of the shared cache and banks: active cycle c is tick c
   /// + offset (modulo 2^64).
@@ -63,31 +64,34 @@ class Hart {
   /// Executes every instruction that starts before active cycle `limit`.
   Stop run(std::uint64_t limit);
 
-  /// Describes how a round of harts in translated code ended.
+  /// Describes how run_round_robin() ended.
   struct RoundEnd {
     Hart* broke_off = nullptr;  // hart that did not reach the limit; null = all did
     bool ran = false;           // that hart continued in the interpreter
     Stop stop = Stop::limit;    // its reason to stop
   };
-  /// Runs `first` and the next harts of its round in translated code, each up to the same tick (active cycle + offset).
-  /// The round ends when a hart leaves translated code. The harts must share banks and decoded code.
+  /// Runs `first` in translated code up to a tick (active cycle + offset), and then, up to the same tick, each hart
+  /// that set_next() has set for the hart before it. This round ends when a hart leaves translated code. The harts must
+  /// share banks and decoded code.
   static RoundEnd run_round_robin(Hart& first, std::uint64_t limit_tick);
-  /// Sets the next hart of a round; null if there is none. run() resets the next hart to null.
+  /// Sets the hart that runs after this one in run_round_robin(); null if no hart follows. run() resets the next hart
+  /// to null.
   void set_next(Hart* next) { execution_.set_next(next == nullptr ? nullptr : &next->execution_); }
-  /// True if the last run stopped at the limit in translated code and can resume there: a round may begin here.
+  /// True if the last run stopped at the limit in translated code and can resume there, as the first hart of
+  /// run_round_robin() must.
   bool has_resume_point() const { return translated_.has_resume_point(); }
   /// Adjusts the resume point after the table of banks has moved by `bytes` bytes to the front.
   void move_resume_point(std::uint64_t bytes) { translated_.move_resume_point(bytes); }
   /// Drops the resume point, so that the next run starts in the interpreter.
   void drop_resume_point() { execution_.drop_resume_point(); }
-  /// Sets the observer called after every instruction; null removes it. Not part of a state.
+  /// Sets the observer called after every instruction; null removes it. Not part of a saved state.
   void observe(Observer* observer);
 
   /// set_interrupt() sets the level of one interrupt line (bit of mip); set_interrupts() sets all lines.
   void set_interrupt(unsigned bit, bool level) { csrs_.set_interrupt(bit, level); }
   void set_interrupts(std::uint32_t lines) { csrs_.set_interrupts(lines); }
   bool sleeping() const { return sleeping_; }
-  /// Wakes a core that sleeps in an event load. The load reads its event again.
+  /// Wakes a core that sleeps in an event load. The core then repeats the load.
   void wake() {
     sleeping_ = false;
     waits_for_event_ = false;
@@ -110,7 +114,7 @@ class Hart {
   /// exist.
   bool csr(unsigned number, std::uint32_t& value) const { return csrs_.read(number, value); }
   bool set_csr(unsigned number, std::uint32_t value);
-  /// Returns the program's CSR accesses that have another effect on most other cores. Not part of a state.
+  /// Returns the program's CSR accesses whose effect differs from that on most other cores. Not part of a saved state.
   const CsrRemarks& csr_remarks() const { return csrs_.remarks(); }
   Mode mode() const { return csrs_.mode(); }
   /// Indices: x0 to x31, then the registers of F from kFirstFloat on.
@@ -121,7 +125,7 @@ class Hart {
 
   void visit(state::Visitor& v);
 
-  /// Executes a rare instruction for translated code: see translate::Perform.
+  /// Executes an instruction that has no host code, for translated code: see translate::Perform.
   [[gnu::sysv_abi]] static const std::uint8_t* perform(Execution& execution, std::uint64_t exit) noexcept;
 
   const DecodedCode& code() const { return decoded_; }

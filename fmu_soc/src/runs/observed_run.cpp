@@ -24,8 +24,8 @@ Access access_of(const Decoded& decoded, const Hart& hart) {
           .writes = store || (is_atomic(decoded.op) && !only_reserves)};
 }
 
-/// Returns the cycles of a jump that overlap with the misaligned load before the jump. These cycles were already
-/// subtracted at the load.
+/// Returns the cycles of a jump that overlap with the misaligned load before the jump. This number was already
+/// subtracted from the cycles of the load.
 std::uint32_t hidden_by(const Execution& e, const Instruction* at) {
   const auto& next = at[1];
   const bool hides = e.slow_load == at && overlaps_slow(executed(*at, true), {next.op, next.rd, next.rs1});
@@ -53,14 +53,14 @@ void ObservedRun::update_walk() {
   interpreter_.set_walk(is_on() ? this : nullptr);
 }
 
-/// Reports an instruction that has retired to the observer and to the event counters.
+/// Reports a retired instruction to the observer and to the event counters.
 void ObservedRun::retire(Retired& instruction, std::uint32_t hidden) {
   if (counts_ || wants_all()) account_.retire(instruction, hidden);
   if (counts_) account_.count_events(execution_.events, instruction, limit_.is_loose());
   if (observer_ != nullptr) observer_->retired(hart_, instruction);
 }
 
-/// Returns true if an observer with this quiet code needs a call after the instruction.
+/// Returns true if an observer needs a call after the instruction. `quiet` is the result of the observer's quiet().
 bool ObservedRun::is_reported(const Instruction* at, const QuietCode& quiet) {
   if (!quiet.holds(at->pc) || !quiet.holds(at[1].pc) || at[1].op == Op::loop_end) return true;
   if (is_branch(at->op)) return !quiet.holds(static_cast<std::uint32_t>(at->imm));
@@ -99,8 +99,8 @@ void ObservedRun::step() {
   if (e.counters.instructions != instructions) retire(retired, 0);
 }
 
-/// Runs a block. If the limit is strict, the observer may end the run after any reported instruction. Therefore each
-/// reported instruction runs alone. The caller has already called before() for the first instruction.
+/// Runs a block. If blocks must not run past the limit, the observer may end the run after any reported instruction.
+/// Therefore each reported instruction runs alone. The caller has already called before() for the first instruction.
 void ObservedRun::run_block(const Block& block, std::uint32_t stall, bool alone) {
   const auto* first = decoded_.blocks.instructions(block);
   alone = alone || (wants_all() && !limit_.is_loose() && is_reported(first, observer_->quiet()));

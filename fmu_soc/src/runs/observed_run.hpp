@@ -35,8 +35,8 @@ class ObservedRun final : private BlockWalk {
   Observer* observer() const { return observer_; }
   /// True if there is an observer that needs a call for each instruction.
   bool wants_all() const { return observer_ != nullptr && flow_ == nullptr; }
-  /// Returns true if code may be translated. Translated code counts no events, does not call before(), and records only
-  /// steps between functions.
+  /// Returns true if code may be translated. Translated code counts no events, does not call before(), and only records
+  /// steps that may enter another function.
   bool allows_translation() const {
     if (counts_) return false;
     return observer_ == nullptr || (flow_ != nullptr && flow_ == decoded_.flow);

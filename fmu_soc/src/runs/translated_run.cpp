@@ -11,15 +11,15 @@
 namespace mebots::soc {
 namespace {
 
-/// Number of interpreted runs within an epoch after which a block is translated.
+/// A block is translated after the interpreter has run it this number of times within an epoch.
 constexpr std::uint16_t kHot = 64;
 constexpr unsigned kEpochBits =
     26;  // in cycles; a program of a megabyte that is hot everywhere runs 64 times in an epoch
 /// Maximum cycles of a run in translated code, whose counts have 32 bits.
 constexpr std::uint64_t kLongestRun = std::uint64_t{1} << 30;
 
-/// Resets the counts on which the decision to translate a block is based. Must be called after the translation, which
-/// uses `absences`.
+/// Resets the counts on which the decision to translate a block is based. If the block is translated, must be called
+/// afterwards, because the translator reads `absences`.
 void cool(const Block& block) {
   block.heat = 0;
   block.absences = 0;
@@ -73,8 +73,8 @@ bool TranslatedRun::finish(const translate::Exit& exit) {
   if (decoded_.blocks.extensions().has_floats()) take_float_flags();
   auto& e = execution_;
   auto& host = e.host;
-  // Sets the state of the pipeline before the next instruction. This state is empty if a jump from another block led to
-  // this block.
+  // If at least one instruction ran in translated code, Execution::pipeline is out of date. The pipeline is empty if
+  // the last block was entered by a jump. Otherwise its state is in HostState::straight_pipeline.
   if ((host.instructions & 0xffffffffU) != 0) {
     e.pipeline = {};
   }
@@ -99,8 +99,8 @@ bool TranslatedRun::finish(const translate::Exit& exit) {
   return true;
 }
 
-/// Adds the flags that the host has raised in translated code to fflags. MXCSR has the flags of fflags in reverse
-/// order, and one more flag.
+/// Adds the flags that the host has raised in translated code to fflags. In MXCSR, the flags have the reverse order.
+/// Bit 1 of MXCSR (denormal operand) has no counterpart.
 void TranslatedRun::take_float_flags() {
   const auto host = execution_.host.float_control_after;
   const auto flag = [host](unsigned bit, std::uint8_t guest) { return (host >> bit & 1U) != 0 ? guest : 0U; };
@@ -109,7 +109,7 @@ void TranslatedRun::take_float_flags() {
   execution_.float_flags |= static_cast<std::uint8_t>(flags);
 }
 
-/// Continues in the middle of a block.
+/// Continues a block in the interpreter, at the instruction before which translated code has left the block.
 void TranslatedRun::resume_interpreter(const translate::Exit& exit) {
   MEBOTS_ASSERT(exit.at != nullptr && !is_block_end(exit.at->op));
   auto& e = execution_;

@@ -35,12 +35,12 @@ class TranslatedRun {
   /// the interpreter must run the block.
   const translate::Entry* entry(std::uint32_t number, const Block& block, std::uint32_t stall);
   /// Runs from this entry on. Returns true if the next block can begin at once. Returns false if the interpreter has
-  /// finished a block, because the result must then be checked.
+  /// finished a block. The caller must then check whether the run continues.
   bool run(const translate::Entry& entry, std::uint32_t stall);
   /// Prepares a run from the start of this block on, and returns the code of the block. If the block has no code, or if
   /// the interpreter must run it, returns null without effect.
   const std::uint8_t* begin(std::uint32_t number, const Block& block, std::uint32_t stall);
-  /// Finishes the block that translated code has left at a rare instruction.
+  /// Finishes a block that translated code has left before an instruction without host code.
   void finish_inside(std::uint64_t exit);
   /// Keeps an exception that occurred during a call from translated code. The exception is thrown when translated code
   /// has returned.
@@ -50,7 +50,7 @@ class TranslatedRun {
     decoded_.translator->chain_last_exit(block, entry, stall != 0);
   }
   /// If the block at the pc is translated, patches the exit of the last run to jump to that block. Without this
-  /// function, a block that is as long as the time between two limits would never be chained.
+  /// function, an exit at which each run stops because of its limit would never be patched.
   void chain_to_here();
   /// Returns the block at the pc after an exit from translated code; 0 = unknown.
   std::uint32_t next_block() const {
@@ -65,12 +65,12 @@ class TranslatedRun {
   void move_resume_point(std::uint64_t bytes) {
     if (has_resume_point()) execution_.host.begin -= bytes;
   }
-  /// Runs the hart from the resume point up to this tick, and then runs the next harts of the round. Records steps
-  /// between functions without reporting them.
+  /// Runs this hart from its resume point up to this tick, and then the harts that follow it: see
+  /// Execution::set_next(). Records steps into other functions without reporting them.
   translate::RunEnd run_round(std::uint64_t limit_tick);
-  /// Passes the steps between functions of the last run to the observer.
+  /// Passes the steps that the last run has recorded to the observer.
   void report_flow() { flow_log_.report(observed_); }
-  /// Handles an exit from translated code. Returns the same as run().
+  /// Handles an exit from translated code. Returns true if the next block can begin at once, as run() does.
   bool finish(const translate::Exit& exit);
 
  private:
@@ -105,7 +105,8 @@ inline bool TranslatedRun::may_begin(const Block& block, std::uint32_t stall) co
   if (decoded_.flow != nullptr && bound >= FlowLog::kLongestRun) return false;
   if (block.line_count != 0 && (limit_.is_loose() || stall != 0) && !decoded_.blocks.begins_present(block))
     return false;
-  // If the limit is loose, the stall may reach the limit. In this case, translated code would not begin.
+  // If blocks may run past the limit (loose limit), `bound` is ignored. If the stall already reaches the limit,
+  // translated code would return at once.
   const auto cycles = execution_.counters.cycles;
   return limit_.admits(cycles, bound) && !limit_.reached_at(cycles + stall);
 }

@@ -19,7 +19,7 @@ namespace mebots::soc {
 enum class DecisionPart : std::uint8_t { request, exposure, read_out, wait, inference, deciding, sending };
 inline constexpr std::size_t kDecisionParts = 7;
 
-/// Work of the cores from reset to some time.
+/// Times and cycles for which the cores have worked since reset.
 struct CoreWork {
   Picoseconds cluster = 0;  // time in which a cluster core was awake, or in which all cluster cores waited for the DMA
   Picoseconds controller = 0;  // time in which the fabric controller was awake and the cluster did nothing

@@ -99,7 +99,7 @@ class DeviceSet {
   void visit(state::Visitor& v);
 
  private:
-  /// Flags for data about the devices that are still valid. touch() clears them. Not part of a state.
+  /// Flags for data about the devices that are still valid. touch() clears them. Not part of a saved state.
   struct Cached {
     bool next_event = false;
     bool lines = false;

@@ -199,7 +199,8 @@ void Hardware::load_program(const Elf& program, const DeviceSet& devices) {
     const auto size = static_cast<std::uint32_t>(segment.bytes.size());
     if (!memory_.covers(segment.load_address, size))
       fail_outside(program, segment, "is loaded", segment.load_address, size);
-    // A linker script may describe a device's registers as a section without bytes.
+    // A linker script may describe a device's registers as a section without bytes. This section need not be in a
+    // memory.
     const bool is_device = segment.bytes.empty() && devices.slot_at(segment.run_address) != nullptr;
     if (!is_device && !runs_in_memory(segment.run_address, segment.size)) {
       fail_outside(program, segment, "runs", segment.run_address, segment.size);

@@ -39,8 +39,8 @@ class HostCalls {
   virtual void device_command(unsigned device, unsigned command, std::uint64_t payload) = 0;
 };
 
-/// Detects the calls of a program to the host: semihosting, ecalls, and commands through the word `tohost`, which also
-/// ends the program. Calls are only executed in `mebots-soc run`, without FMI. Not part of a state.
+/// Detects the calls of a program to the host: semihosting, ecalls, and commands that the program stores to the word
+/// `tohost`, for example to end. Calls are only executed in `mebots-soc run`, without FMI. Not part of a saved state.
 class ProgramHost {
  public:
   ProgramHost(Hardware& hardware, const Elf& program) : hardware_(hardware), program_(program) {}
@@ -61,8 +61,8 @@ class ProgramHost {
   bool is_half_stored(std::uint64_t command) const;
   /// Executes a command. Returns true if the command ends the program.
   bool serve_command(std::uint64_t command);
-  /// Executes a command that a cluster core has stored, before the core's next instruction. Returns true if the command
-  /// ends the program.
+  /// Executes the command that a cluster core has just stored to `tohost`, before this core's next instruction. Returns
+  /// true if the command ends the program.
   bool serve_stored() { return command() != 0 && serve_command(command()); }
   /// Executes the semihosting call at the fabric controller's pc. Returns false if the ebreak there is no semihosting
   /// call.

@@ -159,7 +159,7 @@ void Soc::advance_cluster(Picoseconds until, Picoseconds last, std::uint64_t cyc
   auto* cluster = hardware_.cluster();
   do {
     cluster->advance(until, last, cycle_limit);
-    // Applies the effects of accesses to GAP8's SoC by a cluster core.
+    // A cluster core may have accessed a device of GAP8 that changes clocks or voltage, or that ends the program.
     if (devices_.event_unit() != nullptr && !devices_.power_is_applied()) {
       apply_power_settings(cluster->fabric_event_time());
       if (devices_.signals().exit_code && running()) {
@@ -235,7 +235,7 @@ void Soc::report_fault() const {
   if (listeners_.faults) listeners_.faults(fault_text());
 }
 
-/// Informs the work account and the listener that the state of the chip may have changed at `time`.
+/// Reports to the WorkAccount and to the listener that the state of the chip may have changed at `time`.
 void Soc::notify(Picoseconds time) {
   work_.pass(time);
   if (listener_ != nullptr) listener_->changed(time);

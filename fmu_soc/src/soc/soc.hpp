@@ -49,7 +49,7 @@ class Soc final {
   Soc(const Soc&) = delete;
   Soc& operator=(const Soc&) = delete;
 
-  /// Begins a step. The parameters and inputs of the devices must already be set.
+  /// Begins a communication step. The parameters and inputs of the devices must already be set.
   void begin_step();
   /// Advances the chip to `time_ns`, which must not be in the past.
   void advance(std::int64_t time_ns);
@@ -66,8 +66,8 @@ class Soc final {
   bool sleeps_for_good();
   /// Returns true if the fabric controller is in an endless loop that no interrupt can end.
   bool spins() const { return running() && hart().spins(); }
-  /// Returns the core that ended the program with an error code while it was in an exception handler, except for that
-  /// of an ecall. If there is no such core, returns nullopt.
+  /// If a core ended the program with an error code while it was in an exception handler, returns this core. Otherwise,
+  /// and also if the exception was an ecall, returns nullopt.
   std::optional<int> gave_up() const;
   /// Returns true if a core cannot continue, or ended the program in an exception handler.
   bool faulted() const;
@@ -113,9 +113,9 @@ class Soc final {
   const Decisions& decisions() const { return work_.decisions(); }
   ProgramHost& program_host() { return program_host_; }
 
-  /// Sets the observer of a hart; null removes it. Not part of a state.
+  /// Sets the observer of a hart; null removes it. Not part of a saved state.
   void observe(unsigned number, Observer* observer);
-  /// Sets the listener for changes of the chip's state; null removes it. Not part of a state.
+  /// Sets the listener for changes of the chip's state; null removes it. Not part of a saved state.
   void listen(StateListener* listener) {
     listener_ = listener;
     bus_.set_listening(listener != nullptr);

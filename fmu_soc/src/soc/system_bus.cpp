@@ -13,7 +13,7 @@
 namespace mebots::soc {
 namespace {
 
-/// Below this address, each core accesses its own registers.
+/// Lowest address of the devices that all cores share. Below it, each core accesses its own registers.
 constexpr std::uint32_t kSharedDevices = 0x1000'0000;
 
 /// Address ranges of the SoC's peripherals, and of the fabric controller's own peripherals at both of their addresses.

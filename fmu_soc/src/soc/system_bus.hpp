@@ -18,7 +18,7 @@ namespace mebots::soc {
 
 /// Handles accesses of GAP8's programs to registers that the board does not model. RI5CY of 2018 has no access faults:
 /// a load returns some value (here 0), a store has no effect, and the program continues. Each address is reported once,
-/// because it may explain a difference from the real chip. Not part of a state.
+/// because it may explain a difference from the real chip. Not part of a saved state.
 class UnmodelledRegisters {
  public:
   /// Returns true if GAP8 has peripherals at this address. Accesses to other addresses are faults.
@@ -47,7 +47,7 @@ class SystemBus final : public Bus {
         program_host_(program_host),
         report_(std::move(report)) {}
 
-  /// If `listens` is true, no load is quiet, because a listener must be called after each access.
+  /// If `listens` is true, load_quietly() performs no loads, because a listener must be called after each access.
   void set_listening(bool listens) { listens_ = listens; }
 
   BusReply load(std::uint32_t address, std::uint64_t cycle) override;
@@ -61,7 +61,8 @@ class SystemBus final : public Bus {
   bool called_host(std::uint32_t cause) override;
   bool serves_environment_calls() const override { return program_host_.serves_environment_calls(); }
 
-  /// Performs an access of a cluster core to a device of the SoC, at the fabric controller's time if that is later.
+  /// Performs an access of a cluster core to a device of the SoC. The access takes place at `time`, or at the fabric
+  /// controller's time if the fabric controller is awake and its time is later.
   BusReply from_cluster(const ClusterAccess& access, Picoseconds time);
 
  private:

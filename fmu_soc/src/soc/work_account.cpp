@@ -20,8 +20,8 @@ void WorkAccount::pass(Picoseconds time) {
 
 /// Adds the fabric controller's work up to `time`, at which it fell asleep or woke.
 void WorkAccount::note(Picoseconds time) {
-  // The sums only change when the controller falls asleep or wakes. At other times, the cluster may not have reached
-  // `time`, and the sums would depend on when this function is called.
+  // The times of work are only added up when the controller falls asleep or wakes. At other times, the cluster may not
+  // have reached `time`. The result would then depend on when this function is called.
   if (awake_noted_ == !timeline_.asleep()) return;
   if (time > work_noted_) {
     controller_work_ = controller_work(time);

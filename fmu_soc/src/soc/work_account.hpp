@@ -28,10 +28,11 @@ class WorkAccount {
   void pass(Picoseconds time);
   void picture_stored(const PictureTimes& times) { decisions_.picture_stored(times, work_at(times.stored)); }
   void setpoints_sent(std::string_view sender, Picoseconds now);
-  /// Publishes the set-points that were sent in this step. Must be called at the end of each step.
+  /// Must be called at the end of each communication step. The set-points that were sent in the step are then visible
+  /// outside the chip, which completes their decision.
   void publish(Picoseconds now) { decisions_.published(now); }
-  /// Must be set to true for a program that runs without FMI. Its set-points are published as soon as they are sent.
-  /// Not part of a state.
+  /// Must be set to true for a program that runs without FMI. Its set-points are then visible as soon as they are sent.
+  /// Not part of a saved state.
   void set_alone(bool alone) { alone_ = alone; }
 
   void visit(state::Visitor& v);
@@ -48,7 +49,8 @@ class WorkAccount {
   StateTimes state_times_;
   Decisions decisions_;
   bool alone_ = false;
-  /// Time, up to work_noted_, in which the fabric controller was awake and the cluster did nothing.
+  /// Total, up to the time work_noted_, of the time in which the fabric controller was awake and the cluster did
+  /// nothing.
   Picoseconds controller_work_ = 0;
   Picoseconds work_noted_ = 0;
   Picoseconds cluster_work_noted_ = 0;

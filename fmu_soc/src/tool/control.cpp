@@ -20,7 +20,7 @@
 namespace mebots::soc::tool {
 namespace {
 
-/// Simulated time between two checks whether the program has printed the text.
+/// Simulated time between two checks whether the program has printed the text for which the command "run" waits.
 constexpr std::int64_t kLookNs = 10'000;
 /// Longest time of one command. A double cannot represent all nanoseconds of longer times.
 constexpr double kLongestS = 1e6;

@@ -60,7 +60,8 @@ int HostFiles::open(const std::string& name, int flags) {
   if (!path) return -EACCES;
   std::error_code error;
   if (std::filesystem::is_directory(*path, error)) return -EISDIR;
-  // The canonical path may still end with a link to a file that does not exist yet.
+  // The canonical path may still end with a link to a file that does not exist yet. O_NOFOLLOW refuses such a link,
+  // because it may lead outside the folder.
   const int descriptor = ::open(path->c_str(), flags | O_NOFOLLOW | O_CLOEXEC, 0666);
   if (descriptor < 0) return errno == ELOOP ? -EACCES : -errno;
   const auto* const mode = is_read ? "rb" : (flags & O_ACCMODE) == O_WRONLY ? "wb" : "r+b";

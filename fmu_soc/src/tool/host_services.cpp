@@ -177,8 +177,8 @@ HostReply HostServices::semihosting(std::uint32_t operation, std::uint32_t param
   return answer(-ENOSYS);
 }
 
-/// Serves a system call. In an openat through `tohost`, the length of the name precedes the flags. Source:
-/// riscv-isa-sim, fesvr/syscall.cc.
+/// Serves a system call. An openat through `tohost` has an additional argument before the flags, the length of the
+/// name. Source: riscv-isa-sim, fesvr/syscall.cc.
 HostReply HostServices::system_call(std::uint32_t number, std::span<const std::uint32_t> arguments) {
   if (number == SystemCalls::kOpenAt) {
     return calls_.serve(number, std::array{arguments[0], arguments[1], arguments[3], arguments[4]});

@@ -167,7 +167,7 @@ Json tables_of(const ChipReport& report, const PowerCourse& course) {
   return chip;
 }
 
-/// Returns the data of the page: length of the header (32 bits, little-endian), header, columns.
+/// Returns the data that the HTML page contains: length of the header (32 bits, little-endian), header, columns.
 /// web/src/data/payload.ts reads this format.
 std::string payload_of(const Json& run) {
   const Json header = {{"format", 1}, {"runs", Json::array({run})}};

@@ -27,7 +27,7 @@ void PowerCourse::changed(Picoseconds time) {
   if (time - points_.back().time >= spacing_) add(time);
 }
 
-/// Adds the time since the last call with the clocks of that call. Then reads the present clocks.
+/// Adds the clocks that were read at the last call, for the time since that call. Then reads the present clocks.
 void PowerCourse::add_clocks(Picoseconds time) {
   controller_clock_.add(controller_hz_, time - clocks_since_);
   cluster_clock_.add(cluster_hz_, time - clocks_since_);

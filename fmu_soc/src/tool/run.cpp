@@ -112,7 +112,7 @@ class LimitedRun {
   }
 
  private:
-  /// Length of a piece if the host's time is limited.
+  /// Length of a piece of the run if the host's time is limited.
   static constexpr std::uint64_t kShortSlice = 1U << 22;
   static constexpr Picoseconds kTimeSlice = 10'000'000'000;
 
@@ -126,7 +126,8 @@ class LimitedRun {
       if (left > cluster_lead) {
         piece = std::min(piece, left - cluster_lead);
       } else {
-        // A cluster core is so far ahead that cycles cannot limit a piece. The observer counts instructions instead.
+        // The busiest cluster core is ahead of the fabric controller by at least as many cycles as instructions are
+        // left. Therefore cycles cannot limit the piece, and the observer counts instructions instead.
         session_.add(last_.emplace(*limits_.instructions));
       }
     }
@@ -136,7 +137,8 @@ class LimitedRun {
     return limits_.wall_time && wall_time() >= *limits_.wall_time ? Reached::wall_time : Reached::none;
   }
 
-  /// Returns the latest end of the next piece. This time also limits a piece in which all cores sleep.
+  /// Returns the latest time at which the next piece of the run must end. This time also limits a piece in which all
+  /// cores sleep.
   Picoseconds piece_end() const {
     const auto end = limits_.wall_time ? soc_.now() + kTimeSlice : Soc::kWithoutEnd;
     return limits_.time ? std::min(end, *limits_.time) : end;

@@ -53,7 +53,7 @@ class Signature {
   /// Must be created before the run. Throws Error if the program lacks the symbols, if they are outside its memory, or
   /// if the file cannot be written.
   Signature(const std::string& path, const Soc& soc);
-  /// Writes the words that the memory contains now.
+  /// Writes the present words between begin_signature and end_signature.
   void write(const Soc& soc);
 
  private:

@@ -54,30 +54,31 @@ constexpr int offset_of_loop(unsigned loop) {
 struct Stubs {
   const std::uint8_t* prologue = nullptr;  // executable address
   const std::uint8_t* leave = nullptr;     // writable address; expects the number of the exit in eax
-  /// Executes the rare instruction after exit eax: calls Options::perform. Writable address. Null if Options::perform
-  /// is null.
+  /// Calls Options::perform for the exit whose number is in eax. Writable address. Null if Options::perform is null.
   const std::uint8_t* perform = nullptr;
   /// Leaves translated code before a block that may not begin. If the core has reached its limit, stores a resume point
-  /// and continues with the next core of the round. Writable address. Expects the address of the block's entry in rdx,
+  /// and continues with the hart in HostState::next. Writable address. Expects the address of the block's entry in rdx,
   /// and the value that load_next_point() loaded in rcx.
   const std::uint8_t* park = nullptr;
-  // Subroutines for the lines of the instruction cache (writable addresses). ecx has the number of a line, and rdx the
-  // address of its set's entry in way 0. They are null if there is no instruction cache, or if other cores use it.
-  /// Fetches the line. Changes rax and rdx.
+  // Subroutines that refill the instruction cache (writable addresses). They expect the number of a line in ecx: see
+  // InstructionCache::number_of(). They are null if there is no instruction cache, or if other cores use it.
+  /// Fetches the line. Expects InstructionCache::first_entry() of the line in rdx. Changes rax and rdx.
   const std::uint8_t* fetch = nullptr;
-  /// Fetches those of the lines from ecx on that have bits in eax and are absent. Changes rax.
+  /// Fetches lines from ecx on: line ecx + i if bit i of eax is set and the line is absent. Expects
+  /// InstructionCache::first_entry() of line ecx in rdx. Changes rax.
   const std::uint8_t* fetch_group = nullptr;
-  /// Undoes the refills of the lines from ecx on that have bits in edx, if the present block has fetched them together.
-  /// Changes rcx and rdx.
+  /// Undoes refills of lines from ecx on: of line ecx + i if bit i of edx is set, and if fetch_group has refilled it
+  /// for the present block. Changes rcx and rdx.
   const std::uint8_t* undo_fetch = nullptr;
-  /// Subroutine (writable address). Counts an access at offset ecx of the second memory, and counts the cycles that the
-  /// access waits. edx holds the cycles of the block before the access. If the interpreter must perform the access, the
-  /// subroutine only sets eax to a negative value. Changes rdx. Null if no other core uses that memory.
+  /// Subroutine that counts an access to the second memory and the cycles that the access waits. Writable address.
+  /// Expects the offset of the access in ecx, and the cycles of the block before the access in edx. If the interpreter
+  /// must perform the access, only sets eax to a negative value. Changes rdx. Null if no other core uses the second
+  /// memory.
   const std::uint8_t* far = nullptr;
-  /// Subroutine that performs a quiet load (see Bus::load_quietly()). Writable address. Expects the size in eax, the
-  /// address in ecx, and the cycles of the block before the load in edx. Stores the value in HostState::loaded, and
-  /// returns the wait cycles in rax. If the load is not quiet, returns a negative value. Changes rdx. Null if
-  /// Options::perform is null.
+  /// Subroutine that calls Bus::load_quietly(). Writable address. Expects the size in eax, the address in ecx, and the
+  /// cycles of the block before the load in edx. Stores the value in HostState::loaded, and returns the wait cycles in
+  /// rax. If load_quietly() cannot perform the load, returns a negative value. Changes rdx. Null if Options::perform is
+  /// null.
   const std::uint8_t* device = nullptr;
 };
 
@@ -120,7 +121,7 @@ class Assembler : public Xbyak::CodeGenerator {
   const Label& constant(std::uint64_t low, std::uint64_t high) { return constants_[{low, high}]; }
   void emit_constants();
 
-  /// Returns true if code can address the table relative to r14, which contains the start of the first memory.
+  /// Returns true if code can address `table` relative to r14, which contains the start of the first memory.
   bool is_near(const void* table, std::size_t size) const;
   int from_first_memory(const void* table) const;
   /// Returns the operand for the marks of one or two words of the first memory. ecx must contain the number of the

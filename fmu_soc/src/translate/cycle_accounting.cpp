@@ -53,9 +53,9 @@ void CycleAccounting::spend(const Xbyak::Reg64& cycles) {
   }
 }
 
-/// If the limit is strict, the code jumps if the block's last instruction might start at or after the limit. If the
-/// limit is loose, the code jumps if the limit is already reached. It also jumps if other cores use the instruction
-/// cache and a line of the first instruction is absent.
+/// If blocks must not run past the limit, the code jumps if the block's last instruction might start at or after the
+/// limit. If they may (loose limit), the code jumps if the limit is already reached. It also jumps if other cores use
+/// the instruction cache and a line of the first instruction is absent.
 void CycleAccounting::jump_at_limit(const Block& block, std::uint32_t stall, Label& leave) {
   if (!a_.options.loose_limit) {
     a_.cmp(r15, a_.blocks.fetch_bound(block) + stall);
@@ -111,8 +111,8 @@ bool CycleAccounting::is_noted(const Instruction* at, std::uint32_t next) const 
   return (at->op == Op::jal && at->rd != kNoRegister) || a_.options.flow->may_leave_function(at->pc, next);
 }
 
-/// Writes code that records a step from `at`. `set_next` writes the code that stores the target. All instructions up to
-/// `at` must have been counted. The code changes rcx and rdx.
+/// Writes code that records a step from the instruction `at` to another one: see Flow. `set_next` writes the code that
+/// stores the target. All instructions up to `at` must have been counted. The code changes rcx and rdx.
 template <typename SetNext>
 void CycleAccounting::record_flow(const Instruction* at, SetNext set_next) {
   MEBOTS_ASSERT(a_.options.flow != nullptr);
@@ -135,7 +135,7 @@ void CycleAccounting::record_flow_to(const Instruction* at, std::uint32_t next) 
   record_flow(at, [this, next](const Xbyak::Address& place) { a_.mov(place, next); });
 }
 
-/// Writes code that records a step from `at` to the address in register `next`.
+/// Writes code that records the step from the instruction `at` to the address in register `next`: see Flow.
 void CycleAccounting::record_flow_to(const Instruction* at, const Xbyak::Reg32& next) {
   record_flow(at, [this, next](const Xbyak::Address& place) { a_.mov(place, next); });
 }
@@ -180,7 +180,7 @@ void CycleAccounting::claim_bank(const Instruction* at, bool word_in_ecx) {
   });
 }
 
-/// Guest registers must have been stored before. The code changes rsi and rdx.
+/// Guest registers must have been stored before, because the code changes rsi, which may hold one, and rdx.
 void CycleAccounting::add_to_counters() {
   if (a_.options.flow != nullptr) a_.mov(ptr[rbx + offset_of_host(offsetof(HostState, position))], r15);
   copy_counted(rdx);

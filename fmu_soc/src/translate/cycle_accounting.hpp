@@ -11,8 +11,9 @@ namespace mebots::soc::translate {
 
 class Assembler;
 
-/// Writes the code that counts cycles (in r15), and instructions, accesses and energy (in xmm15); see Assembler. Also
-/// writes the code that claims banks of a shared first memory, and the code that records steps between functions.
+/// Writes the code that counts cycles (in r15), and instructions, accesses and energy (in xmm15): see Assembler. Also
+/// writes the code that claims banks if other cores use the first memory, and the code that records steps that may
+/// enter another function.
 class CycleAccounting {
  public:
   explicit CycleAccounting(Assembler& assembler) : a_(assembler) {}
@@ -37,14 +38,14 @@ class CycleAccounting {
   void copy_counted(const Xbyak::Reg64& to);
   /// Writes code that copies the active cycle in which `at` starts. The instruction must not have stalled.
   void copy_start_of(const Instruction* at, const Xbyak::Reg64& to);
-  /// Writes code that claims a bank for an access.
+  /// Writes code that claims a bank of the first memory for an access, if other cores use this memory.
   void claim_bank(const Instruction* at, bool word_in_ecx);
   /// Writes code that adds the counts of the run to the counters of Execution.
   void add_to_counters();
 
-  // Steps between functions, for observers.
+  // Recording of steps that may enter another function, for observers.
 
-  /// Returns true if an observer needs the step from `at` to the address `next`.
+  /// Returns true if an observer needs the step from the instruction `at` to that at address `next`.
   bool is_noted(const Instruction* at, std::uint32_t next) const;
   void record_flow_to(const Instruction* at, std::uint32_t next);
   void record_flow_to(const Instruction* at, const Xbyak::Reg32& next);

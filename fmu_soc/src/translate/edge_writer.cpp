@@ -88,7 +88,8 @@ void EdgeWriter::check_limit(const Node& node, std::uint32_t stall, const Exit& 
   a_.cycles.jump_at_limit(*node.block, stall, leave);
   a_.defer_cold([this, &node, stall, at_limit, leave]() mutable {
     a_.L(leave);
-    // If the limit is strict, the stall needs one more cycle, so the next run may have to begin in the interpreter.
+    // If blocks must not run past the limit, the next run may have to begin in the interpreter, because a block with a
+    // stall needs one more cycle before the limit.
     if (stall == 0 || a_.options.loose_limit) {
       park(node, at_limit, stall);
     } else {
@@ -97,7 +98,7 @@ void EdgeWriter::check_limit(const Node& node, std::uint32_t stall, const Exit& 
   });
 }
 
-/// Writes the check of the limit after a jump to a node.
+/// Writes the exit that is taken after a jump to a node, if the limit does not allow the node's block to begin.
 void EdgeWriter::check_limit(const Node& node) {
   Exit exit;
   exit.pc = node.block->pc;
@@ -112,9 +113,9 @@ void EdgeWriter::store_next_block(const Node& node) {
   a_.mov(dword[rbx + static_cast<int>(offsetof(Execution, next_block))], node.number);
 }
 
-/// Writes code that loads the resume point of the round's next core into rcx, or 0 if there is none. The host often
-/// mispredicts the jump to this address, and detects the error only after this load. Therefore the load comes before
-/// other code.
+/// Writes code that loads the resume point of the hart that runs after this one into rcx, or 0 if no hart follows. The
+/// host often mispredicts the jump to this address, and detects the error only after this load. Therefore the load
+/// comes before other code.
 void EdgeWriter::load_next_point() {
   if (a_.options.banks == nullptr) return;  // there are no rounds
   a_.mov(rcx, ptr[rbx + static_cast<int>(offsetof(Execution, host.resume_point_of_next))]);
@@ -138,9 +139,10 @@ void EdgeWriter::park(const Node& node, const Exit& exit, std::uint32_t stall) {
   a_.jmp(park_all_, kNear);
 }
 
-/// Writes an exit at an entry of a node, before guest registers are loaded. After a fall-through,
-/// HostState::straight_pipeline contains the state of the pipeline. After a jump, the pipeline is empty. At the start
-/// of a run, Execution::pipeline is still valid.
+/// Writes the exit that is taken at an entry of a node, before guest registers are loaded, if the limit does not allow
+/// the block to begin. Stores the state of the pipeline in Execution::pipeline. After a fall-through, this state is in
+/// HostState::straight_pipeline. After a jump, the pipeline is empty. At the start of a run, Execution::pipeline is
+/// still valid.
 void EdgeWriter::park_at_entry(const Node& node, const Exit& exit, std::uint32_t stall) {
   const auto pipeline = ptr[rbx + static_cast<int>(offsetof(Execution, pipeline))];
   load_next_point();
@@ -234,8 +236,8 @@ void EdgeWriter::jump(const Instruction* at, std::uint32_t pc, bool jumped) {
 
 void EdgeWriter::enter_handler(const Instruction* at, std::uint32_t pc) {
   MEBOTS_ASSERT(at->op == Op::ecall);
-  // An ecall does not retire, so the run may have counted no instruction yet. Other code then assumes that the present
-  // block is the first one of the run.
+  // An ecall does not retire, so the run may have counted no instruction yet. The code of edges and exits then uses
+  // Execution::pipeline, as in the first block of a run. Therefore it is cleared here.
   a_.mov(rax, bits_of({}));
   a_.mov(ptr[rbx + static_cast<int>(offsetof(Execution, pipeline))], rax);
   a_.fetches.forget_group();
@@ -250,7 +252,7 @@ void EdgeWriter::enter_handler(const Instruction* at, std::uint32_t pc) {
   leave_chained(exit);
 }
 
-/// Leaves the block through a new patch point.
+/// Writes an exit whose jump can be changed later, so that it leads to the code of the next block.
 void EdgeWriter::leave_chained(Exit exit) {
   MEBOTS_ASSERT(exit.patch_point == 0 && !exit.indirect);
   a_.registers.store_all();

@@ -14,9 +14,10 @@ namespace mebots::soc::translate {
 
 class Assembler;
 
-/// Writes the edges of a region's blocks: into the region, from block to block, and out of the region. After a jump,
-/// the pipeline is empty. After a fall-through, the last instructions of a block may delay the next block, and the edge
-/// counts this delay. HostState::straight_pipeline then contains the state of the pipeline.
+/// Writes the code for the edges of a region's graph: from an entry to a block, from block to block, and from a block
+/// to an exit. After a jump, the pipeline is empty. After a fall-through, the last instructions of a block may delay
+/// the next block. The code of the edge counts this delay. HostState::straight_pipeline then contains the state of the
+/// pipeline.
 class EdgeWriter {
  public:
   explicit EdgeWriter(Assembler& assembler) : a_(assembler) {}
@@ -26,25 +27,26 @@ class EdgeWriter {
   void begin_node(std::size_t index);
   /// Returns the block whose code is being written.
   const Block& block() const { return *present_->block; }
-  /// Writes the entries of a node. If `runs_into_node` is true, the caller must write the node's code directly
-  /// afterwards. Otherwise the entries end with a jump to the node's code.
+  /// Writes the code at the addresses in Entry, through which execution enters the node's block. If `runs_into_node` is
+  /// true, the caller must write the node's code directly afterwards. Otherwise the entries end with a jump to the
+  /// node's code.
   Entry emit_entry(const Node& node, bool runs_into_node);
   /// Writes the code that all exits of the region share.
   void emit_exits();
 
-  // The following functions write the edges of one instruction.
+  // The following functions write the code with which execution leaves the block at the instruction `at`.
 
   /// Writes the edges of a branch. `jump_to(label)` must write a jump to the label that is taken if the branch is
   /// taken.
   template <typename Jump>
   void branch(const Instruction* at, Jump jump_to);
   void jump(const Instruction* at, std::uint32_t pc, bool jumped);
-  /// Jumps from an ecall to its handler at `pc`. The instructions before the ecall must already be counted.
+  /// Writes a jump from an ecall to its handler at `pc`. The instructions before the ecall must have been counted.
   void enter_handler(const Instruction* at, std::uint32_t pc);
-  /// Jumps to the address in eax, from jalr or mret.
+  /// Writes a jump to the address in eax, from jalr or mret.
   void jump_indirect(const Instruction* at);
-  /// Writes the edge from the end of a block to the block at `pc`. `is_last` must be true if no other code of the node
-  /// follows.
+  /// Writes the code that continues after the end of a block with the block at `pc`. `is_last` must be true if no other
+  /// code of the node follows.
   void fall_through(const Instruction* at, std::uint32_t link, std::uint32_t pc, bool is_last);
   /// Writes a jump to the start of a hardware loop.
   void iterate(const Instruction* at, unsigned loop);

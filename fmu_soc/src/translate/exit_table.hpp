@@ -27,8 +27,9 @@ struct Segments {
   static constexpr std::size_t all_bytes() { return begin_of(kCount); }
 };
 
-/// Stores data to which translated code refers by number: exits, patch points, and targets of indirect jumps. Exits and
-/// patch points belong to the segment that contains their code.
+/// Stores data to which translated code refers by number: exits, patch points, and targets of indirect jumps. A patch
+/// point contains the address to which an exit jumps, and this address can be changed. Exits and patch points belong to
+/// the segment that contains their code.
 class ExitTable {
  public:
   explicit ExitTable(const CodeMemory& memory) : memory_(memory) {}
@@ -60,14 +61,14 @@ class ExitTable {
     unpatched_[segment_].push_back(nullptr);
     return number_of(unpatched_[segment_].size());
   }
-  /// Returns the writable address of a patch point's target.
+  /// Returns the address at which the target of a patch point is stored. This memory is writable.
   std::uint8_t* place_of(std::uint32_t patch_point) const {
     MEBOTS_ASSERT((patch_point & kIndexMask) != 0 && (patch_point & kIndexMask) <= Segments::kPatchPoints);
     return memory_.writable() + Segments::begin_of(patch_point >> kIndexBits) +
            ((patch_point & kIndexMask) - 1) * sizeof(const std::uint8_t*);
   }
   std::size_t free_patch_points() const { return Segments::kPatchPoints - unpatched_[segment_].size(); }
-  /// Returns the address to which a patch point leads.
+  /// Returns the address to which the jump of a patch point leads.
   const std::uint8_t* target_of(std::uint32_t patch_point) const {
     const std::uint8_t* target = nullptr;
     std::memcpy(&target, place_of(patch_point), sizeof target);

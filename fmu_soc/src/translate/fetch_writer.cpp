@@ -12,7 +12,7 @@ using namespace Xbyak::util;
 
 namespace {
 
-/// Minimum number of lines that are fetched together if they are often absent.
+/// Minimum number of lines in a group if the lines are often absent.
 constexpr std::uint32_t kLeastAbsent = 4;
 
 }  // namespace
@@ -21,7 +21,7 @@ bool FetchWriter::are_inline() const {
   return !a_.options.loose_limit;
 }
 
-/// Returns the address of presence bytes. May change rdx.
+/// Returns the operand address of presence bytes. May write code that changes rdx.
 Xbyak::RegExp FetchWriter::place_of(const std::uint8_t* presence) {
   if (a_.is_near(presence, InstructionCache::kMostGrouped)) return r14 + a_.from_first_memory(presence);
   a_.mov(rdx, reinterpret_cast<std::uint64_t>(presence));
@@ -33,12 +33,13 @@ void FetchWriter::jump_when_absent(std::uint32_t address, Label& absent) {
   a_.je(absent, kNear);
 }
 
-/// Returns the group of lines that begins with `line`, which `at` needs. Later lines are in the group if execution
-/// always reaches them, and if no instruction before them uses the number of cycles. If the lines are often absent, a
-/// small group has no advantage.
+/// Returns the group of consecutive lines that begins with `line`, which the instruction `at` needs. A later line is in
+/// the group if execution always reaches it, and if no instruction before it uses the number of cycles. If the lines
+/// are often absent, a small group has no advantage.
 FetchWriter::Group FetchWriter::group_from(const Block& block, std::uint32_t line, const Instruction* at) const {
   const auto& cache = *a_.blocks.fetched();
-  // A record of a step between functions contains the refills up to that step.
+  // If steps into other functions are recorded, a record contains the refills up to its step. Therefore no line may be
+  // fetched early.
   const auto most =
       a_.options.flow != nullptr ? 1U : std::min(InstructionCache::kMostGrouped, cache.lines_before_first_set(line));
   Group group{line, 1};
@@ -51,7 +52,7 @@ FetchWriter::Group FetchWriter::group_from(const Block& block, std::uint32_t lin
   return group;
 }
 
-/// Notes for each instruction from `at` on which lines of the group only later instructions need.
+/// Stores, for each instruction from `at` on, the lines of the group that only later instructions need.
 void FetchWriter::note_later_lines(const Group& group, const Instruction* at) {
   const auto& cache = *a_.blocks.fetched();
   const auto all = bits_of(group);
@@ -130,8 +131,8 @@ void FetchWriter::emit_group(const Group& group, bool often_absent) {
   });
 }
 
-/// Writes a jump to `target` that is taken if all lines of the group are present or, if `present` is false, if one of
-/// them is absent. May change rdx and xmm0.
+/// Writes a jump to `target`. If `present` is true, the jump is taken if all lines of the group are present. Otherwise
+/// it is taken if one of them is absent. The code may change rdx and xmm0.
 void FetchWriter::jump_on_presence(const Group& group, bool present, const Label& target) {
   const auto& cache = *a_.blocks.fetched();
   const auto place = place_of(cache.presence_by_number() + cache.number_of(group.first));
@@ -147,7 +148,7 @@ void FetchWriter::jump_on_presence(const Group& group, bool present, const Label
   } else if (group.count == 4) {
     a_.cmp(dword[place], static_cast<std::uint32_t>(kPresent));
   } else {
-    // Sets the carry flag if all bits of the second operand are set.
+    // ptest sets the carry flag if all bits of the second operand are also set in the first one.
     const auto bytes_of = [](std::uint32_t count) {
       return kPresent & (count >= 8 ? ~std::uint64_t{0} : (std::uint64_t{1} << 8 * count) - 1);
     };
@@ -159,7 +160,7 @@ void FetchWriter::jump_on_presence(const Group& group, bool present, const Label
   present ? a_.je(target) : a_.jne(target, kNear);
 }
 
-/// Writes code that fetches those of the group's lines that have bits in `bits` and are absent. Changes rax, rcx and
+/// Writes code that fetches absent lines of the group: line i if bit i of `bits` is set. The code changes rax, rcx and
 /// rdx.
 void FetchWriter::emit_refill(const Group& group, std::uint32_t bits) {
   MEBOTS_ASSERT(a_.stubs.fetch != nullptr && a_.stubs.fetch_group != nullptr);

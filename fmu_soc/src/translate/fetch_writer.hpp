@@ -18,17 +18,19 @@ class FetchWriter {
   /// Returns true if translated code refills the cache. If cores share the cache, the interpreter refills it instead.
   bool are_inline() const;
   /// Writes the code that fetches the absent cache lines of the instruction `at`. Must be called for all instructions
-  /// of a block, in their order. The code also fetches lines of later instructions, if this has no other effect.
+  /// of a block, in their order. The code may also fetch lines of later instructions together with these lines (a
+  /// group), if the results stay the same.
   void emit(const Block& block, const Instruction* at);
   /// Writes the code that fetches the absent cache lines of the block's first instruction only.
   void emit_first(const Block& block, const Instruction* first);
-  /// Writes code that undoes the refills of lines that only instructions after `at` need. This is necessary if
-  /// execution leaves the block before `at`, or if `at` uses the number of cycles. Changes rcx and rdx.
+  /// Writes code that undoes the refills of lines that were fetched together with earlier lines, but that only
+  /// instructions after `at` need. This is necessary if execution leaves the block before `at`, or if `at` uses the
+  /// number of cycles. The code changes rcx and rdx.
   void undo_after(const Instruction* at);
-  /// Writes code that fetches these lines again. Changes rax, rcx and rdx.
+  /// Writes code that fetches the lines again that undo_after() has removed. The code changes rax, rcx and rdx.
   void repeat_after(const Instruction* at);
-  /// Writes code after which undo_after() undoes nothing until the next group is fetched. This is necessary if a block
-  /// ends without a retired instruction. Changes rax.
+  /// Writes code after which undo_after() has no effect until the next group is fetched. This is necessary if a block
+  /// ends without a retired instruction. The code changes rax.
   void forget_group();
   /// Writes a jump to `absent` that is taken if the line of this address is absent. The written code may change rdx.
   void jump_when_absent(std::uint32_t address, Xbyak::Label& absent);
@@ -55,7 +57,7 @@ class FetchWriter {
 
   Assembler& a_;
   std::uint64_t fetched_end_ = 0;  // the line after those that the present block has fetched
-  /// The lines of the same group that only instructions after this one need.
+  /// For each instruction: the lines of its group that only later instructions need.
   std::unordered_map<const Instruction*, LaterLines> later_lines_;
 };
 

@@ -17,7 +17,7 @@ struct Node {
   std::uint32_t weight = 1;   // estimated frequency of execution: 8 to the power of the loop depth
   bool is_loop_head = false;  // if true, a loop of the region begins with this block
 
-  /// Returns the slot after the node's last instruction. Its index is the number of instructions.
+  /// Returns the end of the block. The `index` of the end is the number of instructions.
   const Instruction* end() const {
     const auto* at = first;
     while (!is_block_end(at->op)) ++at;
@@ -47,15 +47,15 @@ inline std::uint32_t linked(const BlockCache& blocks, std::uint32_t link, std::u
   return link != 0 && blocks.block(link).pc == pc ? link : 0;
 }
 
-/// Returns true if the block's first instruction stalls because the previous block ends with a load. `end` is the slot
-/// after that load.
+/// Returns true if the block's first instruction stalls because the previous block ends with a load. `end` is the end
+/// of the previous block.
 inline bool stalls(const Block& block, const Instruction* end) {
   MEBOTS_ASSERT(is_block_end(end->op));
   return end->index != 0 && block.stall_after(executed(end[-1], false)) != 0;
 }
 
 /// Returns true if the last instructions of the previous block may change the cycles of a jump at the start of the
-/// block. `end` is the slot after these instructions. Ignores misaligned loads at the end of a block, because the
+/// block. `end` is the end of the previous block. Ignores misaligned loads at the end of a block, because the
 /// interpreter executes them.
 inline bool delays_jump(const BlockCache& blocks, const Block& block, const Instruction* end) {
   MEBOTS_ASSERT(is_block_end(end->op));

@@ -13,7 +13,8 @@ namespace mebots::soc::translate {
 class Assembler;
 
 inline constexpr unsigned kHostRegisters = 9;
-/// Number of vector registers that hold operands of dot products, or floats.
+/// Number of vector registers that can hold guest registers. These are operands of dot products and of floating-point
+/// operations.
 inline constexpr unsigned kVectorRegisters = 12;
 /// Number of the first vector register that holds guest registers.
 inline constexpr int kFirstVector = 3;

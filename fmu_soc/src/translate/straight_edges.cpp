@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Edges without a jump: from the end of a block to the next block or to the next iteration of a hardware loop.
+// Writes the code that continues without a jump: from the end of a block to the next block or to the next iteration of
+// a hardware loop.
 #include "translate/assembler.hpp"
 
 #include "mebots/assert.hpp"
@@ -60,7 +61,8 @@ void EdgeWriter::fall_through_to(const Instruction* at, const Node& node, bool i
   if (!is_last || &node != following_) a_.jmp(label_of(node), kNear);
 }
 
-/// The program may have changed the start since the last iteration.
+/// The program may have changed the start of the loop since the last iteration. Therefore the code compares the start
+/// before it jumps.
 void EdgeWriter::iterate(const Instruction* at, unsigned loop) {
   MEBOTS_ASSERT(at->op == Op::loop_end && loop < 2);
   const auto start = dword[rbx + offset_of_loop(loop) + static_cast<int>(offsetof(HardwareLoop, start))];
@@ -94,8 +96,8 @@ void EdgeWriter::save_pipeline_state(const Instruction* end) {
     a_.mov(straight_pipeline, rdx);
     return;
   }
-  // The pipeline contains two instructions. A block with one instruction also needs the instruction before the block.
-  // In the first block of a run, that instruction is in Execution::pipeline.
+  // The pipeline contains the last two instructions. If the block has only one, the other one is the instruction before
+  // the block. In the first block of a run, that instruction is in Execution::pipeline.
   Label straight;
   a_.mov(rdx, straight_pipeline);
   a_.test(rdx, rdx);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The code that all regions share: prologue and epilogue of translated code, the change to the next core of a round,
+// The code that all regions share: prologue and epilogue of translated code, the change to the hart that runs next,
 // refills of the instruction cache, and accesses to a memory that cores share.
 #include "hart/data_path.hpp"
 #include "mebots/assert.hpp"
@@ -28,7 +28,7 @@ constexpr int kStackPadding = 8;
 }
 
 /// Writes the end of a core's run at its limit, after its guest registers were stored. Stores the core's resume point
-/// (rdx), and jumps to the resume point of the round's next core (rcx).
+/// (rdx), and jumps to the resume point of the core that runs after it (rcx).
 void emit_next_core(Assembler& a, const Label& next_core, const Label& done) {
   const auto begin = ptr[rbx + offset_of_host(offsetof(HostState, begin))];
   const auto end = ptr[rbx + offset_of_host(offsetof(HostState, end))];
@@ -49,8 +49,8 @@ void emit_next_core(Assembler& a, const Label& next_core, const Label& done) {
   a.jmp(done);
 }
 
-/// Writes the call of Options::perform for exit eax, and a jump to the code of the next block. Counts and guest
-/// registers must have been stored.
+/// Writes the call of Options::perform for the exit whose number is in eax, and a jump to the code of the next block.
+/// Counts and guest registers must have been stored.
 void emit_perform(Assembler& a, const Label& begin, const Label& done) {
   a.mov(rdi, rbx);
   a.mov(esi, eax);
@@ -75,7 +75,8 @@ class CacheAccess {
     static_assert(std::is_standard_layout_v<Cache::State>);
     MEBOTS_ASSERT(!cache_.is_shared());
   }
-  /// Saves these registers, and `far_presence` if it is needed. Then loads the addresses.
+  /// Writes code that saves these registers, and `far_presence` if it is needed. The code then loads the addresses of
+  /// the cache's state and of its presence bytes.
   void begin(std::initializer_list<Xbyak::Reg64> saved) {
     saved_ = saved;
     if (!is_near()) saved_.push_back(far_presence_);
@@ -88,7 +89,7 @@ class CacheAccess {
     a_.ret();
   }
   Xbyak::RegExp field(std::size_t offset) const { return state_ + static_cast<int>(offset); }
-  /// Returns the presence byte of the line with this number.
+  /// Returns the address of the presence byte of the line whose number is in the register `number`.
   Xbyak::RegExp presence(const Xbyak::Reg64& number) const {
     if (!is_near()) return far_presence_ + number;
     return r14 + number + a_.from_first_memory(cache_.presence_by_number());
@@ -105,7 +106,8 @@ class CacheAccess {
   std::vector<Xbyak::Reg64> saved_;
 };
 
-/// Refills a line as InstructionCache::refill() does if the cache has only one user, and counts the wait cycles.
+/// Writes the subroutine Stubs::fetch. It refills a line as InstructionCache::refill() does if the cache has only one
+/// user, and counts the wait cycles.
 void emit_fetch_stub(Assembler& a) {
   using Cache = InstructionCache;
   CacheAccess cache(a, rsi, r8);
@@ -133,14 +135,15 @@ void emit_fetch_stub(Assembler& a) {
   a.jmp(advanced);
 }
 
-/// Refills the absent lines of a group in their order, and counts the wait cycles. The lines are in different sets.
-/// Stores what undo_fetch_from_code() needs.
+/// Writes the subroutine Stubs::fetch_group. It refills the absent lines of a group in their order, and counts the wait
+/// cycles. The lines are in different sets. The subroutine stores the data with which InstructionCache::undo_refills()
+/// can undo the refills.
 void emit_fetch_group_stub(Assembler& a) {
   using Cache = InstructionCache;
   CacheAccess cache(a, rsi, r11);
   cache.begin({rsi, rdi, r8, r9, r10});
   const auto field = [&cache](std::size_t offset) { return cache.field(offset); };
-  // eax = the lines that are absent, which may be none. A present line has the byte 1.
+  // eax = the requested lines that are absent, which may be none. The presence byte of a present line is 1.
   a.movdqu(xmm0, ptr[cache.presence(rcx)]);
   a.psllw(xmm0, 7);
   a.pmovmskb(edi, xmm0);
@@ -181,7 +184,8 @@ void emit_fetch_group_stub(Assembler& a) {
   cache.end();
 }
 
-/// Undoes the refills of these lines of the last group. Returns the wait cycles that they have taken.
+/// Undoes the refills of these lines of the group that was refilled last. Returns the cycles that the core has waited
+/// for them.
 [[gnu::sysv_abi]] std::uint64_t undo_fetch_from_code(Execution& execution, std::uint64_t /*cycle*/, std::uint32_t lines,
                                                      std::uint32_t /*unused*/) noexcept {
   const auto cycles = execution.units->fetch.undo_refills(lines);
@@ -189,8 +193,8 @@ void emit_fetch_group_stub(Assembler& a) {
   return cycles;
 }
 
-/// Performs a quiet load, and stores its value in HostState::loaded. Returns the wait cycles, or -1 if the load is not
-/// quiet.
+/// Calls DataPath::load_quietly(), and stores the value in HostState::loaded. Returns the wait cycles, or -1 if
+/// load_quietly() cannot perform the load.
 [[gnu::sysv_abi]] std::int64_t load_quietly_from_code(Execution& execution, std::uint64_t cycle, std::uint32_t address,
                                                       std::uint32_t size) noexcept {
   auto& data_path = execution.units->data_path;
@@ -237,7 +241,7 @@ void emit_call(Assembler& a, Function* function) {
   for (auto reg = saved.rbegin(); reg != saved.rend(); ++reg) a.pop(*reg);
 }
 
-/// Undoes refills that a block has made for instructions that it does not reach now.
+/// Writes the subroutine Stubs::undo_fetch. It undoes refills for instructions that the block does not reach now.
 void emit_undo_fetch_stub(Assembler& a) {
   using Cache = InstructionCache;
   const CacheAccess cache(a, rsi, rsi);
@@ -263,7 +267,7 @@ void emit_undo_fetch_stub(Assembler& a) {
   a.ret();
 }
 
-/// Calls wait_for_far() and counts the returned cycles.
+/// Writes the subroutine Stubs::far. It calls wait_for_far(), and counts the cycles that this function returns.
 void emit_far_stub(Assembler& a) {
   MEBOTS_ASSERT(a.options.banks != nullptr, "a core whose second memory is shared shares the first one");
   static_assert(kOutsideBanks >> 63 == 1 && Banks::kReach < std::uint64_t{1} << 31,

@@ -23,8 +23,8 @@ class TargetTable {
     const std::uint8_t* jumped;
   };
 
-  /// Uses calloc(), because pages that are never accessed then take no memory. All entries are then zero, so the entry
-  /// for pc 0 must be removed.
+  /// Uses calloc(), because pages that are never accessed then take no memory. All entries are then zero, so that the
+  /// entry for pc 0 seems to be valid. It must be marked as empty.
   TargetTable() : targets_(static_cast<Target*>(std::calloc(kMask / kStep + 1, sizeof(Target)))) {
     if (targets_ == nullptr) throw std::bad_alloc();
     forget(0);

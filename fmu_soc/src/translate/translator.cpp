@@ -57,7 +57,7 @@ class HostTranslator : public Translator {
       made.blocks.push_back({node.number, node.block->pc});
       translated_ += node.end()->index;
     }
-    // Blocks that follow the region may already have code.
+    // The exits of the new region jump directly to the next blocks that already have code.
     for (auto exit = first_exit; exit < exits_.count(); ++exit) chain_where_known(exits_.exit_in_work(exit));
     return entries_[block];
   }
@@ -233,8 +233,8 @@ std::unique_ptr<Translator> make_translator(const BlockCache& blocks, const Exec
   if (options.banks != nullptr) {  // translated code counts ticks by rows of the bank table, and claims banks
     if (!options.loose_limit) return nullptr;
     if (execution.ram[0].wait_cycles != 0 || execution.ram[0].base / 4 % options.banks->count() != 0) return nullptr;
-    // A block must not run beyond the bank table. The longest instruction is a division. A load or store can take two
-    // bus accesses.
+    // Checks that no block can run beyond the end of the bank table. The longest instruction is a division. A load or
+    // store can take two bus accesses.
     const auto& far = execution.ram[1];
     const std::uint64_t far_wait =
         far.is_shared() ? 0U : far.wait_cycles;  // if shared, wait_for_far() checks the table itself

@@ -8,9 +8,9 @@
 #include <memory>
 #include <vector>
 
-/// Translation of hot blocks to host code. All counts are equal to those of the interpreter. Translated code leaves a
-/// block before a rare instruction, which the interpreter executes. Execution then continues in translated code if the
-/// next block has code.
+/// Translation of hot blocks to host code. All counts are equal to those of the interpreter. Some instructions have no
+/// host code. Translated code leaves the block before such an instruction, which the interpreter executes. Execution
+/// then continues in translated code if the next block has code.
 namespace mebots::soc::translate {
 
 class Assembler;
@@ -22,13 +22,14 @@ struct Exit {
   bool fetches = false;   // only with `resumes`: cache lines of `at` may be absent
   bool indirect = false;  // if true, the code has stored the pc in Execution::pc
   bool jumped = false;    // if true, the cycle of an unaligned target is not yet counted
-  /// If true, code was left at the end of a block without a jump; `at` is the slot after the block.
+  /// If true, code was left at the end of a block without a jump. `at` is then the end of the block.
   bool straight = false;
   bool is_reached_straight =
       false;  // the block may have been entered by fall-through; see HostState::straight_pipeline
   std::uint32_t pc = 0;
   std::uint32_t block = 0;  // number of the block at `pc`; 0 = unknown
-  /// If `resumes`, the next instruction. Otherwise the one that led to `pc`, or null if its link is not used.
+  /// If `resumes` is true, the next instruction to execute. Otherwise the instruction (or end of a block) after which
+  /// execution continues at `pc`, or null if its link is not used.
   const Instruction* at = nullptr;
   std::uint32_t wait_cycles = 0;  // only with `resumes`: constant waits for memories in the block so far
   std::uint32_t patch_point = 0;  // patch point of this exit, which can be chained to code at `pc`; 0 = none
@@ -39,29 +40,33 @@ struct Entry {
   const std::uint8_t* plain = nullptr;
   const std::uint8_t* jumped = nullptr;    // counts the cycle of an unaligned target first
   const std::uint8_t* straight = nullptr;  // after a fall-through from another block; see HostState::straight_pipeline
-  /// After a fall-through from a load, if the first instruction stalls after this load.
+  /// Entry after a fall-through from a block that ends with a load, if the block's first instruction stalls after this
+  /// load.
   const std::uint8_t* stalled = nullptr;
   std::uint32_t region = 0;  // number of the region that contains the code
 };
 
 struct RunEnd {
-  /// The last exit. Null if a hart without a resume point was next, or if the run ended after a rare instruction.
+  /// The last exit. Null if translated code reached a hart that has no resume point, or if the run ended after an
+  /// instruction without host code.
   const Exit* exit = nullptr;
   Execution* execution = nullptr;  // hart of the last exit; null = all harts have reached their limits
 };
 
-/// Function that translated code calls to execute a rare instruction, with all state in memory. `exit` is the number of
-/// the exit before the instruction. The function executes the rest of the block. It returns the address of the next
-/// block's code, after it has set HostState::begin. It returns null if translated code must be left.
+/// Function that translated code calls for an instruction without host code, with all state in memory. `exit` is the
+/// number of the exit before the instruction. The function executes the rest of the block in the interpreter. It
+/// returns the address of the next block's code, after it has set HostState::begin. It returns null if translated code
+/// must be left.
 using Perform = const std::uint8_t*(__attribute__((sysv_abi)) *)(Execution& execution, std::uint64_t exit);
 
 /// Options that all harts with the same translated code share.
 struct Options {
   bool loose_limit = false;  // if true, a block that starts before the limit runs to its end
   Banks* banks = nullptr;    // banks of the first memory, if other cores may use it; otherwise null
-  /// If not null, translated code records steps between functions at HostState::flow, at most one per instruction.
+  /// If not null, translated code stores steps that may enter another function in the list HostState::flow, at most one
+  /// per instruction.
   const FlowMap* flow = nullptr;
-  /// If null, translated code is left at each rare instruction.
+  /// Executes an instruction without host code. If null, translated code is left before each such instruction.
   Perform perform = nullptr;
 };
 
@@ -75,8 +80,8 @@ class Translator : public BlockListener {
   }
   /// Translates a block that has no code yet.
   virtual const Entry& translate(std::uint32_t block) = 0;
-  /// Executes the code of an entry up to the hart's limit. If the hart reaches its limit, continues with the next harts
-  /// of the round. The result is valid until the next translation.
+  /// Executes the code of an entry up to the hart's limit. If the hart reaches its limit, continues with the hart in
+  /// HostState::next. The result is valid until the next translation.
   virtual RunEnd run(Execution& execution, const std::uint8_t* code) = 0;
   /// Returns the exit with this number. The result is valid until the next translation.
   virtual const Exit& exit(std::uint64_t number) const = 0;

@@ -32,8 +32,8 @@ class Device {
   virtual bool load(std::uint32_t offset, Picoseconds now, std::uint32_t& value) = 0;
   virtual bool store(std::uint32_t offset, Picoseconds now, std::uint32_t value) = 0;
   /// Read and write `size` bytes (1 or 2) at any offset. Return false if the device only supports accesses to whole
-  /// words. For a store, `value` is the core's whole register. For a load, the chip uses the low bytes of `value`. Only
-  /// the fabric controller makes such loads.
+  /// words. For a store, `value` is the core's whole register. For a load, the chip uses the low `size` bytes of
+  /// `value`. Only the fabric controller loads 1 or 2 bytes from a device.
   virtual bool load_narrow(std::uint32_t /*offset*/, Picoseconds /*now*/, std::uint32_t& /*value*/, unsigned /*size*/) {
     return false;
   }
@@ -64,7 +64,8 @@ class Device {
   virtual std::span<const std::uint8_t>* bytes_input(std::string_view /*variable*/) { return nullptr; }
   virtual const double* output(std::string_view /*variable*/) const { return nullptr; }
   virtual const std::string* text_output(std::string_view /*variable*/) const { return nullptr; }
-  /// Begins a step at time `now`. Parameters and inputs have been set, and do not change until the next step.
+  /// Begins a communication step at time `now`. Parameters and inputs have been set, and do not change until the next
+  /// step.
   virtual void begin_step(Picoseconds /*now*/) {}
 
   /// Returns the energy [J] that the device has used from reset to `now`.

@@ -87,8 +87,8 @@ struct DeviceLibrary {
 
 }  // namespace mebots::soc
 
-/// Defines the kinds of a shared library, for example MEBOTS_DEVICE_KINDS({"left_wheel", make_left}, {"right_wheel",
-/// make_right}). Must be used exactly once in the library, outside any namespace.
+/// Defines the kinds of devices that a shared library implements, for example MEBOTS_DEVICE_KINDS({"left_wheel",
+/// make_left}, {"right_wheel", make_right}). Must be used exactly once in the library, outside any namespace.
 #define MEBOTS_DEVICE_KINDS(...)                                                                                \
   extern "C" __attribute__((visibility("default"))) const mebots::soc::DeviceLibrary* mebots_device_library() { \
     static const mebots::soc::DeviceKind kinds[] = {__VA_ARGS__};                                               \

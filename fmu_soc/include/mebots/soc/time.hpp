@@ -11,7 +11,8 @@ using Picoseconds = std::int64_t;
 inline constexpr Picoseconds kNever = std::numeric_limits<Picoseconds>::max();
 inline constexpr Picoseconds kPsPerNs = 1000;
 inline constexpr double kPsPerS = 1e12;
-/// The latest end of a step, in nanoseconds since the start. An event up to two days later still fits in Picoseconds.
+/// The latest end of a communication step, in nanoseconds since the start. An event up to two days later still fits in
+/// Picoseconds.
 inline constexpr std::int64_t kLongestNs = 9'000'000 * std::int64_t{1'000'000'000};
 
 }  // namespace mebots::soc
