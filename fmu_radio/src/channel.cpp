@@ -62,7 +62,8 @@ void Channel::take_requests(std::int64_t time_ns) {
       throw Error(fmt::format("node[{}].tx.size = {} must be 0 to {} bytes", i + 1, inputs.tx_size, kMostBytes));
     if (inputs.tx_to < 0 || inputs.tx_to > most)
       throw Error(
-          fmt::format("node[{}].tx.to = {} must be 0 for all, or a node from 1 to {}", i + 1, inputs.tx_to, most));
+          fmt::format("node[{}].tx.to = {} must be 0 to send to all nodes, or the number of a node from 1 to {}", i + 1,
+                      inputs.tx_to, most));
     if (node.to_send.size() == kQueue) {
       increment(variables_[i].outputs.tx_dropped);
       if (variables_[i].outputs.tx_dropped == 1)

@@ -36,7 +36,8 @@ void check_value(const Variable& variable, fmi2Integer value);
 void check_boolean(const Variable& variable, fmi2Boolean value);
 void check_value(const Variable& variable, fmi2String value);
 
-/// The instance's own copies of binary inputs. The key is the row of the input's first part in the variable table.
+/// The instance's own copies of binary inputs. An input consists of three variables (address low, address high, size).
+/// The key is the value reference of the first of them.
 using Binaries = std::map<fmi2ValueReference, std::vector<std::uint8_t>>;
 
 /// All values of one causality, by FMI name, as saved states contain them. Pointers are not saved. After a restore,

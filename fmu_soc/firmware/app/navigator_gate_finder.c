@@ -20,7 +20,7 @@ navigator_output_t finder_navigate(const uint8_t* frame, int width, int height) 
   const int32_t confidence = view.contrast * 255 / FULL_CONFIDENCE_CONTRAST;
   output.confidence = (uint8_t)(confidence > 255 ? 255 : confidence);
   // A frame that is seen from the side is narrower, but not lower. Therefore the height gives the distance: focal
-  // length [px] * outer edge [mm] / height [px], where focal length = milli / 1000 * width / 2.
+  // length [px] * outer edge [mm] / height [px].
   const int32_t numerator = CAMERA_FOCAL_OVER_HALF_WIDTH_MILLI * GATE_OUTER_MM / 1000 * middle_q4;
   const int32_t distance_mm = numerator / view.height_q4;
   output.distance_mm = (uint16_t)(distance_mm > UINT16_MAX ? UINT16_MAX : distance_mm);

@@ -123,8 +123,8 @@ static traverser_command_t straight_on(traverser_t* t) {
   return command(t, policy_speed_um_s(&t->policy, 0), 0);
 }
 
-// Returns the greatest distance of a gate that has this size in the picture. Half the frame's edge divided by its size
-// in the picture is half the picture's width at that distance.
+// Returns the greatest possible distance of a gate from its size in the picture: focal length * outer edge / size, with
+// the longest focal length of a camera.
 static int32_t farthest_um(int32_t size_q8) {
   const int64_t divisor_q8 = size_q8 < LEAST_SIZE * 256 ? LEAST_SIZE * 256 : size_q8;
   return (int32_t)((int64_t)GATE_OUTER_MM * LONGEST_FOCAL_MILLI * 127 * 256 / (2 * SIGHT_MOST_SIZE * divisor_q8));

@@ -172,7 +172,8 @@ class BankSchedule {
   /// Active cycle `cycle` of the core is tick `cycle + offset` of the banks (modulo 2^64).
   void set_offset(std::uint64_t offset) { offset_ = offset; }
 
-  /// Returns the number of cycles from active cycle `cycle` to the first cycle in which the bank is free.
+  /// Returns how many cycles an access must wait for its bank. `cycle` is the number of active cycles of the core
+  /// before the access.
   std::uint32_t wait(std::uint64_t cycle, std::uint32_t address) const {
     return banks_->wait(cycle + offset_, address);
   }

@@ -16,8 +16,8 @@ namespace {
 /// Lowest address of the devices that all cores share. Below it, each core accesses its own registers.
 constexpr std::uint32_t kSharedDevices = 0x1000'0000;
 
-/// Address ranges of the SoC's peripherals, and of the fabric controller's own peripherals at both of their addresses.
-/// Source: archi/chips/gap/memory_map.h.
+/// Address ranges of peripherals. The fabric controller's own peripherals have two ranges. Source:
+/// archi/chips/gap/memory_map.h.
 struct Area {
   std::uint32_t base;
   std::uint32_t size;

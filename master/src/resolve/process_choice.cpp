@@ -118,7 +118,8 @@ void check_windows_fmus(ResolvedSystem& system) {
     };
     if (instance.isolation.sandboxed())
       refuse(
-          "wine does not run in a sandbox. Set \"process\" to \"own\", which contains faults but not access to files");
+          "wine does not run in a sandbox. Set \"process\" to \"own\", which survives a crash of the FMU, but does not "
+          "limit its access to files");
     if (!osmp_triples(*instance.model).empty())
       refuse("its binary variables (OSMP) are addresses in its own process. Export it for FMI 3.0, or for Linux");
     if (instance.model->is_fmi3() && !IntermediateInputs(*instance.model).empty()) {

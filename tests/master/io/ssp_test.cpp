@@ -768,7 +768,7 @@ TEST_F(Ssp, ValuesThatNoFmuCanTakeAreRefused) {
               HasSubstr("\"1.5\" is not a whole number"));
   EXPECT_THAT(error_of(with_value(R"(<ssv:Integer value="7"/>)", R"(<ssc:IntegerMappingTransformation>
       <ssc:MapEntry source="7" target="99999999999999999999"/></ssc:IntegerMappingTransformation>)")),
-              HasSubstr("\"99999999999999999999\" is not a whole number of 64 bits"));
+              HasSubstr("\"99999999999999999999\" is not a whole number that fits into 64 bits"));
   EXPECT_THAT(error_of(with_value(R"(<ssv:String value="&#xD800;"/>)", "")), HasSubstr("not a character of XML"));
 }
 

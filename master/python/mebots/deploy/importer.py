@@ -190,7 +190,7 @@ def _reduce_mean(owner: Importer) -> None:
     rank = len(source.shape) + 1
     wanted = sorted(int(one) % rank for one in (range(rank) if axes is None else axes))
     if wanted != list(range(2, rank)):
-        raise owner.refuse(f"it reduces axes {wanted}", "The mean over rows and columns is possible")
+        raise owner.refuse(f"it reduces axes {wanted}", "Only the mean over all rows and columns is supported")
     owner.add("mean_pool", [source], kernel=(source.rows, source.columns))
 
 

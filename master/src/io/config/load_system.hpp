@@ -41,7 +41,7 @@ namespace config {
 
 /// Checks a config file without opening its FMUs. Throws data::Mistakes with all mistakes.
 void check(const std::filesystem::path& file);
-/// Checks a scenario file. Does not check the instances of its variables, which only a config defines. Throws
+/// Checks a scenario file. Does not check whether its variables exist, because no config is given. Throws
 /// data::Mistakes with all mistakes.
 void check_scenario(const std::filesystem::path& file);
 

@@ -119,7 +119,7 @@ std::vector<modeldesc::EnumerationItem> read_items(const XmlFile& file, pugi::xm
   for (const auto item : children(node, "Item")) {
     const std::string_view text = item.attribute("value").as_string("0");
     const auto value = parsed_number<std::int64_t>(text);
-    if (!value) file.fail(item, fmt::format("the value \"{}\" is not a whole number of 64 bits", text));
+    if (!value) file.fail(item, fmt::format("the value \"{}\" is not a whole number that fits into 64 bits", text));
     items.push_back({file.required(item, "name"), *value, ""});
   }
   return items;
