@@ -6,8 +6,8 @@
 
 FOLDER is described in flight_data.py. An accelerometer in flight does not measure gravity. Perpendicular to the rotors' axis, it
 measures only drag: a = -d v / m. v is the velocity along the same body axis. The sensor has a constant error. Values are means
-over 0.1 s. Climb: m (g + dv/dt) divided by the sum of the squared rotor speeds decreases with the climb rate v. The factor of this
-decrease is 1 - d v / (m g).
+over 0.1 s. Climb: m (g + dv/dt), divided by the sum of the squared rotor speeds, is proportional to 1 - d v / (m g). Here, v is
+the climb rate.
 """
 import argparse
 import json

@@ -49,8 +49,8 @@ def joules(phase):
 
 
 class Model:
-    """Runs the program of the phases on a chip with the energy file `name`. The first call of phase() at an operating point runs all
-    phases at this point."""
+    """Measures a chip with the set of energies `name`. When a phase is first needed at an operating point, measures all phases at
+    this point."""
 
     def __init__(self, build, name):
         self.build, self.name, self.at = build, name, {}

@@ -37,7 +37,7 @@ constexpr double kSocTolerance = 1e-12;
 constexpr double kVoltageTolerance = 1e-10;
 constexpr double kEnergyTolerance = 1e-10;
 // Limits of the solver's steps in one piece, and of the evaluations of the right-hand side in one call of advance().
-// The second limit is checked after each piece, but not after a successful last piece.
+// The second limit is checked after each piece, except for a piece with which advance() ends successfully.
 constexpr long kMaxSteps = 1'000'000;
 constexpr long kMaxEvaluations = 5 * kMaxSteps;
 // If a piece cannot be integrated, the next attempt uses a piece of a tenth of its length. If that length is below
@@ -174,8 +174,8 @@ class Integrator::Solver {
     y[kSoc] = state.soc;
     y[kPair1] = state.pair1_v;
     y[kPair2] = state.pair2_v;
-    // Restarts the solver, so that the result does not depend on earlier calls. The solver first tries
-    // one step for the whole piece.
+    // Restarts the solver, so that the result does not depend on earlier calls. The solver first tries one step for the
+    // whole piece.
     check(ERKStepReInit(memory_, &Solver::right_hand_side, 0, y_), "ERKStepReInit");
     if (fixed_step_s_ == 0) check(ERKStepSetInitStep(memory_, piece_s), "ERKStepSetInitStep");
     check(ERKStepSetStopTime(memory_, piece_s), "ERKStepSetStopTime");

@@ -52,8 +52,8 @@ typedef struct {
 
 // Match of a template with a frame, in sixteenths of a grey level. All values are 0 if there is no frame.
 typedef struct {
-  // Least contrast of a beam with the opening or with the surroundings. One beam may have less contrast with the
-  // surroundings.
+  // Least contrast of a beam with the opening or with the surroundings. The lowest of the four contrasts with the
+  // surroundings does not count.
   int weakest_q4;
   int sum_q4;     // sum of all positive contrasts
   int spread_q4;  // brightness of the brightest beam minus that of the darkest beam

@@ -176,8 +176,8 @@ static void filter(const layer_t* layer, const layer_group_t* group, int i, cons
 
 #endif
 
-// Returns the `count` input rows that are needed for the output row `y` (3), or for the output rows `y` and `y` + 1
-// (4). The remaining elements repeat the last of these rows.
+// Returns the input rows for output row `y` (`count` = 3), or for output rows `y` and `y` + 1 (`count` = 4). The
+// remaining elements repeat the last row.
 static inline __attribute__((always_inline)) rows_t rows_of(const layer_step_t* step, const layer_group_t* group,
                                                             int32_t y, int32_t count, const uint32_t* outside) {
   const layer_t* layer = step->layer;

@@ -45,9 +45,9 @@ typedef struct {
 #define NN_SHARES_PLACES (NN_CHANNELS_FIRST > 4)
 
 // Data of an inference in the memory that the cores share. Data that are not needed at the same time share addresses:
-// the weights of layers 4 to 7 replace the picture, and the outputs after the first layer replace the camera's rows.
-// With NN_SHARES_PLACES, the first layer's output replaces the camera's rows, and the outputs of the second and third
-// layer replace the picture, too.
+// the weights of layers 4 to 7 (counted from 0) replace the picture. Without NN_SHARES_PLACES, the outputs after the
+// first layer replace the camera's rows. With it, the first layer's output replaces the camera's rows, and the outputs
+// of the second and third layer replace the picture, too.
 #if NN_SHARES_PLACES
 typedef struct {
   union {

@@ -81,7 +81,7 @@ class Cluster final : private ClusterBus, private ClusterEvents {
   /// each event load.
   bool take_fabric_wake();
   /// Returns the time of the last event that affects the rest of the chip: a rise of the interrupt line, the completion
-  /// of the fabric controller's event load, or an access of a core outside the cluster.
+  /// of the fabric controller's event load, or an access of a core to an address outside the cluster.
   Picoseconds fabric_event_time() const { return fabric_event_time_; }
   bool interrupt() const { return powered() && peripherals_->interrupt(); }
 

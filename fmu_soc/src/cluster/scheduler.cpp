@@ -157,8 +157,8 @@ void ClusterScheduler::move_banks(std::uint64_t tick) {
     if (settings_.shares_soc_port) soc_port_.move_to(tick);
     return;
   }
-  // `last` is the latest tick in which a bank can already be claimed. The DMA has claimed banks up to the end of the
-  // last quantum, and each core up to its present tick.
+  // No bank is claimed after `last`: the DMA has claimed banks at most up to the end of the last quantum, and each core
+  // at most up to its present tick.
   auto last = tick + settings_.quantum;
   for (const auto* core : cores_) last = std::max(last, core->tick());
   const auto moved = banks_.start_over(tick, last);
@@ -189,8 +189,8 @@ void ClusterScheduler::line_up(std::uint64_t end) {
   }
 }
 
-/// Queues the cores that need not wait for permission to access a shared device, starting with the first core of this
-/// quantum. Links each core to the next one.
+/// Queues the cores that continue before `end` and do not wait for permission to access a shared device, starting with
+/// the first core of this quantum. Links each core to the next one.
 void ClusterScheduler::queue_cores(std::uint64_t end) {
   queue_.clear();
   const bool tree = settings_.arbitration_tree;
@@ -218,7 +218,8 @@ void ClusterScheduler::rotate_queue() {
   queue_.back()->hart().set_next(nullptr);
 }
 
-/// Orders the queue of this quantum: see ClusterSettings::arbitration_tree. All cores must be awake.
+/// Orders the queue of this quantum by the arbitration tree: see ClusterSettings::arbitration_tree. All cores must be
+/// awake.
 void ClusterScheduler::reorder_queue() {
   Hart* behind = nullptr;
   for (auto place = cores(); place-- > 0;) {
@@ -257,8 +258,9 @@ bool ClusterScheduler::can_resume(const ClusterCore& core) {
   return false;
 }
 
-/// Handles the end of a round: several cores have run to the end of the quantum in translated code, one after the
-/// other. The round began at index `place` of the queue. Returns the index at which the next round begins.
+/// Handles the end of a round. In a round, cores run to the end of the quantum in translated code, one after the other,
+/// until one of them leaves translated code. The round began at index `place` of the queue. Returns the index at which
+/// the next round begins.
 std::size_t ClusterScheduler::note_round(std::size_t place, const Hart::RoundEnd& round) {
   while (place < queue_.size() && &queue_[place]->hart() != round.broke_off) ++place;
   if (round.ran) note_stop(*queue_[place++], round.stop);

@@ -25,7 +25,7 @@ class ClusterEvents {
   /// Ends all DMA transfers whose last tick is reached.
   virtual void transfers_end(std::uint64_t tick) = 0;
   /// Called if a core stopped for another reason than its limit or a wait for its turn. If the function returns false,
-  /// the run of the chip ends after the remaining cores have run in this quantum.
+  /// the cores that are still queued in this quantum run, and then the run of the chip ends.
   virtual bool core_stopped(ClusterCore& core, Stop stop) = 0;
 };
 
@@ -107,7 +107,8 @@ class ClusterScheduler {
   bool sharing_banks_ = false;     // true if bank conflicts are possible
   std::uint64_t end_ = 0;          // last tick of this quantum, plus 1
   bool goes_on_ = true;            // set to false to end the run
-  /// Cores of this quantum that need not wait for permission to access a shared device, in the order in which they run.
+  /// Cores that do not wait for permission to access a shared device at the start of this quantum, in the order in
+  /// which they run.
   std::vector<ClusterCore*> queue_;
   bool in_step_ = false;          // true if all awake cores have ended the last quantum in translated code
   std::uint64_t last_ready_ = 0;  // if in_step_: tick of the core that is farthest ahead

@@ -162,8 +162,9 @@ class EnergyMeter {
   EnergyMeter(const EnergyTables& tables, const Inventory& inventory, const PowerState& state);
 
   EnergyLedger at(const Activity& now) const;
-  /// Returns the energy of the instructions and accesses of cluster core `number` [J], without the energy of its gated
-  /// clock. The result of at() also contains this energy.
+  /// Returns by how much more energy cluster core `number` has used than a core with a gated clock [J]: the energy of
+  /// its instructions and accesses, minus that of a gated clock in the same cycles. The result of at() also contains
+  /// this difference.
   double core_j(unsigned number, const CoreActivity& now) const;
   /// These functions return the energies by which a result increases if one count increases by one, at the present
   /// temperature, voltage and clocks. per_count_of_fabric_controller() is for the fabric controller's counts and the

@@ -119,7 +119,7 @@ struct BlockCache::Decoding {
 /// A block does not end before code that jumps within two instructions, because the cycles of such a jump depend on the
 /// instructions before it.
 bool BlockCache::ends_here(const Decoding& decoding) const {
-  // The last two instructions of this block determine the cycles of the next block's first two instructions. Therefore
+  // The cycles of the next block's first two instructions may depend on the two instructions before them. Therefore
   // this block needs at least two instructions.
   if (!end_at_targets_ || decoding.sums.index < 2) return false;
   const auto pc = decoding.block.end;

@@ -257,8 +257,8 @@ class BlockCache {
   Extensions extensions_;
   std::array<std::uint32_t, kOpCount> energy_fj_;
   /// If true, a block also ends at known targets of jumps and branches, so that few blocks overlap. False if
-  /// CodeSettings::loose_limit is true. A hart then stops at the end of a block, so its blocks must not depend on what
-  /// was decoded earlier.
+  /// CodeSettings::loose_limit is true. At its limit, a hart then stops at the end of a block, so its blocks must not
+  /// depend on what was decoded earlier.
   bool end_at_targets_;
   bool end_after_loops_;  // true if a block also ends after a backward branch
   const InstructionCache* cached_lines_;

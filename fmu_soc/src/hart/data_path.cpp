@@ -240,8 +240,8 @@ const Instruction* DataPath::stored_over_mark(const Instruction* at, std::uint32
   memory_.changed(address, size);
   if (memory_.marked(address, size, Region::kWatch) && bus_.watched(address))
     return execution_.leave_after(at, Leave::stop);
-  // If blocks may run past the limit (loose limit), the block continues to its end with its old code. Otherwise the
-  // instruction at which the core stops would depend on whether the stored code was decoded before.
+  // If blocks may run past the limit (loose limit), the block continues to its end with its old code. If it ended here
+  // instead, the instruction at which the core stops would depend on whether the stored code was decoded before.
   return finishes_block_ ? at + 1 : execution_.leave_after(at, Leave::normal);
 }
 

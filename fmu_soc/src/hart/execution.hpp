@@ -151,7 +151,7 @@ struct HostState {
   std::uint32_t float_control = kFloatControl;
   std::uint32_t float_control_after = kFloatControl;
   CsrState* csrs = nullptr;    // control and status registers of this core
-  TrapState* traps = nullptr;  // state of this core's trap handlers
+  TrapState* traps = nullptr;  // state of this core's trap handling
   bool serves_calls = false;   // true if the host may serve an ecall
   std::uint32_t loaded = 0;    // value of the last load that translated code performed with load_quietly()
   // Translated code records the steps that may enter another function in a list: see Flow.

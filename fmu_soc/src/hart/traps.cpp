@@ -74,8 +74,8 @@ Traps::Progress Traps::progress_since_last(std::uint32_t cause) const {
   if (last.instructions == e.counters.instructions) return Progress::none;
   // Correct code may execute the same ecall or ebreak repeatedly.
   if (is_call(cause) || last.pc != e.pc || last.cause != cause) return Progress::some;
-  // If the stack pointer is lower than at the last exception, a handler has caused the exception itself. Each entry
-  // into the handler decreases the stack pointer.
+  // The same exception with a lower stack pointer has occurred in its own handler, which decreases the stack pointer at
+  // each entry.
   if (e.x[kStackPointer] < last.registers[kStackPointer]) return Progress::none;
   const auto same = std::equal(last.registers.begin() + 1, last.registers.end(), e.x.begin() + 1);
   if (!same) return Progress::some;

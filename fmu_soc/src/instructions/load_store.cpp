@@ -166,7 +166,7 @@ void emit_quiet_load(Assembler& c, const Instruction* at, unsigned size, const B
   c.call(c.stubs.device);
   c.test(rax, rax);
   c.js(rare);
-  // If the rest of the block might not start before the limit, the interpreter performs the load.
+  // If the rest of the block might reach the limit, the interpreter performs the load.
   c.sub(r15, rax);
   c.cmp(r15, c.blocks.fetch_bound(block));
   c.jle(too_late);

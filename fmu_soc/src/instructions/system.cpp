@@ -130,8 +130,9 @@ void emit_trap_state(Assembler& c, Label& rare) {
   c.mov(rcx, ptr[rbx + translate::offset_of_host(offsetof(HostState, traps))]);
 }
 
-/// Writes code that takes the exception of an ecall, as Traps::take_exception() does. The code leaves this to the
-/// interpreter if another exception is being handled, or if the handler has changed since the last ecall.
+/// Writes code that takes the exception of an ecall, as Traps::take_exception() does. In rare cases, the interpreter
+/// executes the ecall instead, for example if another exception is being handled, or if the handler has changed since
+/// the translation.
 bool emit_ecall(Assembler& c, const Instruction* at) {
   static_assert(std::is_standard_layout_v<TrapState> && std::is_standard_layout_v<CsrState>);
   if (c.options.perform == nullptr || at->link == 0 || !c.blocks.block(at->link).valid()) return false;

@@ -59,9 +59,10 @@ class Banks {
   /// Returns the number of ticks from `tick` to the end of the table. All banks are free after the end.
   std::uint64_t ticks_left(std::uint64_t tick) const { return start_ + kReach - std::min(tick, start_ + kReach); }
 
-  /// Claims the banks of all words from `address` up to, but not including, `end` in `tick`. If a bank is already
-  /// claimed, claims its next tick without a check, because a memory serves the DMA and the cores in turn. Must only be
-  /// called for the DMA. Returns 1 if any bank was already claimed, otherwise 0.
+  /// Claims, for a beat of the DMA in `tick`, the banks of all words from `address` up to, but not including, `end`. If
+  /// a bank is already claimed in this tick, claims it in the next tick without a check, because L1 serves the DMA and
+  /// the cores in turn. Returns 1 if any bank was already claimed, otherwise 0. If `tick` or the next tick is outside
+  /// the table, has no effect and returns 0.
   std::uint32_t claim_or_next(std::uint64_t tick, std::uint32_t address, std::uint32_t end) {
     if (tick < start_ || tick + 1 >= start_ + kReach) return 0;
     auto* row = &byte_of(tick, 0);

@@ -90,8 +90,8 @@ class InstructionCache {
     return refill_cycles_;
   }
   /// Undoes refills of the group of lines that translated code has fetched last. If bit i of `lines` is set, undoes the
-  /// refill of the group's line i. The bits must belong to the last lines of the group. Returns the number of refills
-  /// that were undone.
+  /// refill of the group's line i, which must have been refilled. Refills of later lines must be undone, too. Returns
+  /// the number of refills that were undone.
   std::uint32_t undo_refills(std::uint32_t lines);
   /// Only for a shared cache. Marks all lines that arrive at or before `tick` as present. Afterwards, no core may
   /// access the cache in an earlier tick.
@@ -146,7 +146,7 @@ class InstructionCache {
   static constexpr std::uint32_t kNone = 0;  // number of no line; its presence byte has no meaning
   /// Bit that is set in the number of each line as long as cover() was not called.
   static constexpr std::uint32_t kNotCovered = 1U << 31;
-  /// Number of the lowest bit of the way to refill within the shift register.
+  /// The way to refill is in consecutive bits of the shift register. This is the number of the lowest of them.
   static constexpr unsigned kWayBit = 1;
 
   /// An entry in a saved state.

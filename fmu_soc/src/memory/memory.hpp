@@ -92,7 +92,7 @@ class Memory {
   }
 
   /// Visits the contents of all regions, and the marks at the ends of hardware loops. A saved state contains these
-  /// marks, because they determine where blocks end. A core of the cluster only stops at the end of a block.
+  /// marks, because they determine where blocks end. At its limit, a core of the cluster stops at the end of a block.
   void visit(state::Visitor& v);
 
  private:

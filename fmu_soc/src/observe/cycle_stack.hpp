@@ -23,7 +23,7 @@ struct StackCost {
   StackCost& operator+=(const StackCost& other);
 };
 
-/// Counts the accesses to one bank of the observed cores' first memory, which all of them share.
+/// Counts the accesses of the cluster's cores to one bank of L1, their first memory.
 struct BankUse {
   std::uint64_t accesses = 0;
   std::uint64_t conflicts = 0;

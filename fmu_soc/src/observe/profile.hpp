@@ -18,8 +18,8 @@ namespace mebots::soc::observe {
 /// Stores the counts of a profile in consecutive windows of time. The sum over all windows is equal to the sum over the
 /// call trees.
 ///
-/// A window ends at a call of stepped(). If there are kMost windows, neighbours are joined in pairs, and later windows
-/// are twice as long.
+/// A window ends at a call of stepped() or restart(). If there are kMost windows, neighbours are joined in pairs, and
+/// later windows are twice as long.
 class ProfileWindows {
  public:
   static constexpr std::size_t kMost = 1024;

@@ -130,14 +130,14 @@ bool Hart::stays_awake() {
   return true;
 }
 
-/// Returns the block at the pc. Uses the link of the last instruction, the number of the block that followed it before,
-/// if this block is still correct. Returns 0 if the pc cannot be fetched.
+/// Returns the block at the pc. If the link of the last instruction (the number of the block that followed it before)
+/// still leads to this block, uses the link. Returns 0 if the pc cannot be fetched.
 ///
-/// If blocks may run past the limit (loose limit), decodes the block if necessary. Otherwise the instruction at which a
-/// core stops would depend on what was decoded earlier.
+/// If blocks may run past the limit (loose limit), always decodes a block that is not decoded yet. Without this rule,
+/// the instruction at which a core stops would depend on what was decoded earlier.
 ///
-/// If blocks must not run past the limit, decodes no block at a pc that the hart has reached because of a limit or a
-/// return from a trap, and may return 0. Such a pc may be any instruction, and blocks at all of them would fill the
+/// If blocks must not run past the limit, decodes no block at Execution::cut_pc, for example after a limit or a return
+/// from an interrupt, and may return 0. Such a pc may be any instruction, and blocks at all of them would fill the
 /// cache.
 inline std::uint32_t Hart::following() {
   const auto* link = execution_.link;

@@ -70,9 +70,9 @@ class Hart {
     bool ran = false;           // that hart continued in the interpreter
     Stop stop = Stop::limit;    // its reason to stop
   };
-  /// Runs `first` in translated code up to a tick (active cycle + offset), and then, up to the same tick, each hart
-  /// that set_next() has set for the hart before it. This round ends when a hart leaves translated code. The harts must
-  /// share banks and decoded code.
+  /// Runs harts in translated code, one after the other, each up to the same tick (active cycle + offset). This round
+  /// begins with `first`. set_next() determines which hart follows. The round ends when a hart leaves translated code.
+  /// The harts must share banks and decoded code.
   static RoundEnd run_round_robin(Hart& first, std::uint64_t limit_tick);
   /// Sets the hart that runs after this one in run_round_robin(); null if no hart follows. run() resets the next hart
   /// to null.

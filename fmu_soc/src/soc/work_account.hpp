@@ -49,8 +49,7 @@ class WorkAccount {
   StateTimes state_times_;
   Decisions decisions_;
   bool alone_ = false;
-  /// Total, up to the time work_noted_, of the time in which the fabric controller was awake and the cluster did
-  /// nothing.
+  /// Total time, up to work_noted_, in which the fabric controller was awake and the cluster did nothing.
   Picoseconds controller_work_ = 0;
   Picoseconds work_noted_ = 0;
   Picoseconds cluster_work_noted_ = 0;

@@ -126,8 +126,8 @@ class LimitedRun {
       if (left > cluster_lead) {
         piece = std::min(piece, left - cluster_lead);
       } else {
-        // The busiest cluster core is ahead of the fabric controller by at least as many cycles as instructions are
-        // left. Therefore cycles cannot limit the piece, and the observer counts instructions instead.
+        // The busiest cluster core is at least `left` cycles ahead of the fabric controller. Therefore cycles cannot
+        // limit the piece, and the observer counts instructions instead.
         session_.add(last_.emplace(*limits_.instructions));
       }
     }

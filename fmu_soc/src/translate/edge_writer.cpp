@@ -98,7 +98,8 @@ void EdgeWriter::check_limit(const Node& node, std::uint32_t stall, const Exit& 
   });
 }
 
-/// Writes the exit that is taken after a jump to a node, if the limit does not allow the node's block to begin.
+/// Writes, after a jump to a node, the check of the limit, and the exit that is taken if the limit does not allow the
+/// node's block to begin.
 void EdgeWriter::check_limit(const Node& node) {
   Exit exit;
   exit.pc = node.block->pc;

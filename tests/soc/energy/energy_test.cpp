@@ -195,8 +195,8 @@ TEST(Energy, AddsUpOverTheClustersCoresToTheLedgerAtAllSettings) {
   const auto before_j = meter.core_j(1, now.of_cores[1]);
   add(now, 0, {5'000'000, 170, 30, 2});
   EXPECT_EQ(meter.core_j(1, now.of_cores[1]), before_j) << "it did nothing";
-  // No time has passed. Therefore the energy of gated clocks consists only of the negative term for the cycles of awake
-  // cores.
+  // The meter computes the time with gated clocks as the time of all cores, minus the cycles of awake cores. No time
+  // has passed here, so only the second term remains. core_j() contains the same term.
   const auto ledger = meter.at(now);
   const auto all_j = ledger[Part::cluster_cores] + ledger[Part::l1] + ledger[Part::l2] + ledger[Part::interconnect];
   EXPECT_NEAR(meter.core_j(0, now.of_cores[0]) + before_j, all_j, kRounding * all_j);

@@ -257,8 +257,8 @@ TEST(Model, PictureByPointerAndByBase64GiveTheSame) {
     EXPECT_FALSE(variables.outputs.core_running);
     EXPECT_FALSE(variables.outputs.core_faulted);
   }
-  // The world sees the request at 2 ms, after the first step, and its picture arrives at 2 ms. Exposure and read-out
-  // take 16.6667 ms, so the answer is visible at 20 ms.
+  // The world sees the request at 2 ms, after the first step, and its picture arrives at 2 ms. The picture is complete
+  // 16.6667 ms later, so the answer is visible at 20 ms.
   EXPECT_THAT(answered_at, testing::ElementsAre(20e6, 20e6));
 }
 

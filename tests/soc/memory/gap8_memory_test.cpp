@@ -97,8 +97,8 @@ TEST(Gap8Cluster, LetsOneCoreAtATimeThroughToL2) {
   EXPECT_GE(cycles_of_core(0xff, factors, 7, board), kLoads * 8 * 8 * 9 / 10) << "eight loads take 64 cycles";
 }
 
-/// Even cores load from L2 until their tick is near the end of the table of accesses to the banks of L1. Then they
-/// store to L1, like the odd cores.
+/// Even cores load from L2 and store to L1, to which odd cores also store. With a slow clock of the SoC, the loads of
+/// one block may take more cycles than the table of L1's banks has rows.
 TEST(Gap8Cluster, TranslatedCodeSupportsAnyWaitForL2) {
   struct Mix {
     unsigned far;

@@ -22,7 +22,8 @@ static uint64_t count(void) {
   }
 }
 
-// Handles the timer's event. Checks the time, because the event may be from an earlier alarm that has been replaced.
+// Sets alarm_came if the time of the alarm has passed. An event of the timer may be from an earlier alarm that has been
+// replaced, and then has no effect.
 static void check_alarm(void) {
   if (count() >= alarm_count) {
     alarm_came = true;

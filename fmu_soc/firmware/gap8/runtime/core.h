@@ -13,9 +13,9 @@ extern "C" {
 #endif
 
 uint32_t core_clock_hz(void);
-// Sets the fabric controller's clock as loop_set() does (runtime/chip.h). While a peripheral sends, ignores a lower
-// frequency, because the bit rate depends on this clock. No interrupt reports the end of the last byte, so the clock
-// then stays unchanged until the next sleep.
+// Sets the fabric controller's clock as loop_set() does (runtime/chip.h). While the UART or I2C1 sends, ignores a lower
+// frequency, because the bit rate depends on this clock. The UART's interrupt comes before the end of the last byte,
+// and no interrupt follows. Therefore the clock may stay unchanged until the next sleep.
 void core_clock_set(uint32_t hz);
 
 // Enables interrupt `number`. An enabled interrupt ends a sleep and, if interrupts are on, calls its handler.

@@ -186,7 +186,7 @@ std::int64_t TimerCounters::next_event() const {
 
 namespace {
 
-/// An event after more than this number of counts counts as never. It would be after the end of any mission.
+/// An event that is more than this number of counts ahead is treated as never, because no mission lasts until then.
 constexpr std::uint64_t kFarCounts = std::uint64_t{1} << 48;
 
 }  // namespace
@@ -221,7 +221,7 @@ Picoseconds Timer::time_of(std::uint32_t config, Picoseconds since, std::uint64_
 
 namespace {
 
-/// An event after more than this number of ticks counts as never. It would be after the end of any mission.
+/// An event that is more than this number of ticks ahead is treated as never, because no mission lasts until then.
 constexpr std::int64_t kFarTicks = std::int64_t{1} << 56;
 
 }  // namespace

@@ -43,8 +43,8 @@ class UdmaCamera final : public UdmaPeripheral {
   Picoseconds end_time(const UdmaTransfer& transfer, Picoseconds start) override;
   void end(const UdmaTransfer& transfer) override;
   void cancel(const UdmaTransfer& transfer, Picoseconds now) override;
-  /// Until the picture has arrived, returns the start of the exposure of the transfer's frame. Afterwards, returns the
-  /// end of the transfer. If the time is not known yet, returns kNever.
+  /// Returns the start of the exposure of the transfer's frame or, after the picture has arrived, the end of the
+  /// transfer. If there is no frame yet, or while the device waits for the picture, returns kNever.
   Picoseconds next_event() const;
   void advance(Picoseconds now);
   void registers_changed(std::uint32_t offset, Picoseconds now) override;

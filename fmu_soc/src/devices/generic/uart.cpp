@@ -204,8 +204,8 @@ void Uart::check_settings() const {
   });
 }
 
-/// Takes those bytes of the text .received that have not been taken before. If the transmitter's step is longer than
-/// the receiver's, the text stays the same for several steps.
+/// Takes those bytes of the input text `received` that have not been taken before. If the transmitter's step is longer
+/// than the receiver's, the text stays the same for several steps.
 void Uart::begin_step(Picoseconds now) {
   check_settings();
   step_began_ = now;

@@ -372,7 +372,7 @@ TEST_P(Gap8CameraCommand, StoresALateFrameWithTheSensorsSettingsOfItsReadOut) {
   EXPECT_EQ(stored_by(system), picture_of(Himax::kWindowHeight));
 }
 
-/// Returns the bytes that the program stores for one picture. The camera interface passes only a window of the picture,
+/// Returns the bytes that are stored for one picture. The camera interface passes only a window of the picture,
 /// converts it to RGB565, and weights it by its filter. If `cleared_behind_it` is the offset of a register, clears this
 /// register after the window's last row.
 std::vector<std::uint8_t> stored_frame_of_a_window(std::optional<std::uint32_t> cleared_behind_it) {
