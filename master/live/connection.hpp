@@ -62,8 +62,8 @@ class Connection final : public httplib::Stream {
   Connection(const Connection&) = delete;
   Connection& operator=(const Connection&) = delete;
 
-  /// Waits for the first byte of a request. Returns false if none arrives within kIdleTime, or kCrowdedTime with many
-  /// connections.
+  /// Waits for the first byte of a request. Returns false if none arrives within kIdleTime. With more than
+  /// Connections::kMost connections, waits only for kCrowdedTime.
   bool begins_request();
   /// Marks the request of the calling thread's connection as complete.
   static void complete_request();

@@ -25,8 +25,8 @@ class Batches(StudyCase):
         return Space(read_study(self.study(**sections)))
 
     def check(self, space):
-        """Checks that the orders in Space.orders(), each object of which contains several missions, equal single orders. Also checks them
-        after a transfer by pickle, as to a worker."""
+        """Checks that Space.orders(), which creates the orders of several missions together, gives the same orders as Space.order(). Also
+        checks them after a transfer by pickle, as to a worker."""
         blocks = [orders for _, orders in space.orders(Flights(range(len(space.designs)), 0, 10), 4)]
         single = [space.order((design, replicate)) for design in range(len(space.designs)) for replicate in range(10)]
         self.assertEqual([orders[at] for orders in blocks for at in range(len(orders))], single)

@@ -52,7 +52,7 @@ class Effects(StudyCase):
             found = effects.importances(self.study_of("random"), [factor("a", ones), factor("b", twos)], [], np.array(ones) + lot.normal(size=40))
             shares.append(found.factors)
         strong, idle = np.mean(shares, axis=0)
-        # The factor has a variance of 2, and the noise of 1.
+        # The factor has a variance of 2, and the noise of 1, so the factor has 2/3 of the variance.
         self.assertAlmostEqual(strong, 2 / 3, delta=0.08)
         self.assertLess(idle, 0.03)
 

@@ -62,7 +62,7 @@ def of_python(folder):
 
 
 def systems(build, folder):
-    """Returns the systems to compare by name. All paths are absolute."""
+    """Returns a dict of the systems that are compared, with their names as keys. All paths are absolute."""
     fmus, foreign = build / "fmus", build / "test_fmus"
     passthrough = foreign / "passthrough.fmu"
     python, coupled = of_python(folder)

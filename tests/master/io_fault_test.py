@@ -153,8 +153,8 @@ def problem_of(case, out, fault, done, whole, preload):
 
 
 def sweep(name, case, folder, preload, most):
-    """Runs a case many times. In each run, a different call that writes files fails. Prints a row per kind of call and
-    fault. Returns the number of problems."""
+    """Runs a case many times. In each run, another call has a fault, or the same call has another fault. Prints a row
+    per kind of call and fault. Returns the number of problems."""
     out = folder / "out"
     done, counts = io_faults.run(preload, case.first(out), out)
     assert done.returncode == 0, done.stderr

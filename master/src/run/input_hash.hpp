@@ -11,7 +11,7 @@
 namespace mebots::master {
 
 /// Hashes of all inputs of a run: the config, FMUs, signal files, files that String parameters name, and changes to the
-/// config. If a String parameter names a folder that `mebots deploy` wrote, all files in this folder are inputs.
+/// config. If a parameter `network` names a folder that `mebots deploy` wrote, all files in this folder are inputs.
 struct InputHash {
   std::string all;
   /// The text whose hash is `all`. Contains one line per input, which ends with the input's hash.

@@ -24,14 +24,14 @@ class LiveScenario {
 
   explicit LiveScenario(const std::filesystem::path& folder) : file_(folder / kLiveScenarioFile) {}
 
-  /// Reads the file of the killed run. The values before `time_ns`, where this run resumes, are part of its checkpoint.
-  /// Throws InputError if the file is invalid.
+  /// Reads the file that the earlier process of this run wrote. The run resumes at `time_ns`. Skips earlier values,
+  /// because the checkpoint contains their effects. Throws InputError if the file is invalid.
   void resume(std::int64_t time_ns);
   /// Adds a value and writes the file. Throws Error if writing fails.
   void add(std::string_view variable, const nlohmann::ordered_json& value, std::int64_t time_ns);
-  /// True if the file contains values that due() has not yet returned.
+  /// True if due() has not yet returned all values that must be set again.
   bool is_pending() const { return done_ < entries_.size(); }
-  /// Returns the values of the file that must be set at or before `time_ns`. Returns each value only once.
+  /// Returns the values that must be set again at or before `time_ns`. Returns each value only once.
   std::vector<Entry> due(std::int64_t time_ns);
 
  private:

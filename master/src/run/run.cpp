@@ -452,8 +452,9 @@ void Run::note_slaves(Ensemble& ensemble) {
   }
 }
 
-/// Steps until `until_ns`. Checks the state of the process after steps 1, 2, 4, 8 ... and at the end. Every 64 steps,
-/// checks the signal mask, because a changed mask could block interrupts.
+/// Steps until `until_ns`. Checks the state of the process only after steps 1, 2, 4, 8 ... and at the end, because a
+/// check takes longer than a step. Every 64 steps, checks the signal mask, because a changed mask could block
+/// interrupts.
 void Run::step_until(std::int64_t until_ns) {
   std::optional<ProcessWatch> watch;
   if (!has_foreign_ && until_ns > next_point_ns()) watch.emplace(resolved_, messages_);

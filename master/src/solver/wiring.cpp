@@ -81,8 +81,8 @@ class Wiring::Builder {
     return outputs;
   }
 
-  /// Returns a stage that reads `outputs`, which must be in ascending order. After that, the stage sets all inputs for
-  /// which this was the last missing output.
+  /// Returns a stage that reads `outputs`, which must be in ascending order. After that, the stage sets the inputs for
+  /// which no output is missing any more.
   Stage stage_of(const std::vector<MemberVariable>& outputs) {
     Stage stage;
     for (const auto& output : outputs) {

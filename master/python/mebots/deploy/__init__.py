@@ -6,7 +6,8 @@
     deployed      options of a deployment, and the deployed network
     model_file    reads and checks the ONNX file, infers shapes, computes constants
     importer      converts ONNX nodes to a float network (``graph``), with one function per operator
-    context       data and helpers of these functions; ``functions``, ``moving`` and ``transposed`` contain some of them
+    context       data and helpers of these functions; ``moving`` and ``transposed`` contain further ones
+    functions     functions of single values, such as Sigmoid, which the chip evaluates by a table
     simplify      merges nodes
     pictures      reads inputs
     calibrate     runs the float network in onnxruntime, and collects the ranges of its tensors

@@ -107,8 +107,8 @@ void network_load(uint32_t flash);
 
 
 def _l3_text(plan: Plan, weight_bytes: int) -> tuple[str, str]:
-    """Returns two texts of C code: the definition of the weights, with network_load() if they are in L3; and initialisers of the network's
-    struct, which refer to weights and memories."""
+    """Returns two texts of C code. The first declares the weights or, if they are in L3, defines the buffers for fetched weights and
+    network_load(). The second contains initialisers of the network's struct, which refer to weights and memories."""
     if plan.stream is None:
         return "extern const uint8_t network_weights[];\n", "network_weights, network_memory, network_l1, 0, 0, {0, 0}"
     even, odd = plan.stream.buffers

@@ -475,7 +475,7 @@ def _layout(layer: Layer, parts: list[Part], rows: int, is_data_last: bool = Fal
 
 def _by_tile(layer: Layer, parts: list[Part], tiles: int, sliced: bool) -> bool:
     """True if fetching all weights for each tile moves fewer bytes than fetching the whole input for each part. A tile is a number of rows
-    of the output, and a part is a number of its channels. A layer with several of both must fetch one of them repeatedly."""
+    of the output, and a part is a number of its channels. A layer with several of both must fetch its weights or its input repeatedly."""
     if sliced or len(parts) == 1 or tiles == 1:
         return False
     weights = sum(data_bytes(layer, one) for one in parts)

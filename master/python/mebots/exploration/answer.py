@@ -49,7 +49,7 @@ class Answer:
         return "\n".join(self.lines())
 
     def lines(self, width: int | None = None) -> list[str]:
-        """Returns the lines of the text. The table shows as many objectives as fit into ``width``, but at least two."""
+        """Returns the lines of the text. The table shows as many objectives as fit into ``width``. If not even two fit, it shows all."""
         hidden = len(self.rows) - _MOST_ROWS
         more = [f"... and {hidden} more in designs.csv"] if hidden > 0 else []
         table = table_lines(self.titles, self.rows[:_MOST_ROWS], width)
@@ -58,7 +58,7 @@ class Answer:
 
 def table_lines(titles: Sequence[str], rows: Sequence[Row], width: int | None = None) -> list[str]:
     """Returns an aligned table with a header. If the table is wider than ``width``, omits its last objectives and names them in a line
-    below the table."""
+    below the table. If it is too wide even with two objectives, omits none."""
     for shown in range(len(titles), 1, -1):
         lines = _aligned(titles[:shown], [dataclasses.replace(row, cells=row.cells[:shown]) for row in rows])
         if width is None or max(map(len, lines)) <= width:

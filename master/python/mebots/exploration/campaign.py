@@ -166,8 +166,8 @@ class Campaign:
             raise InputError("\n".join(told), "invalid_value")
 
     def _blamed(self, about: str, error: str, values: Values) -> str:
-        """Returns the factor or draw that sets ``about`` or that the error names, or the objective that reads ``about``, as text.
-        Otherwise, returns ""."""
+        """Returns the cause of an error as text: the factor, draw or objective that contains the variable ``about``, or a key or variable
+        that the error names. If no cause is found, returns ""."""
         for name, value in values.items():
             settings = self.space.missions.settings(name, value)
             if about in settings or any(key.startswith("/") and f" {key}: " in error for key in settings):
@@ -327,8 +327,8 @@ class Campaign:
         self.failed = results.settle(self.study.most_failures)
 
     def _note_others(self, results: Results, reply: Reply, places: np.ndarray, repeated: dict[bytes, list[int]]) -> None:
-        """Records results that are not the first of a mission in this round: missions that occur in it more than once, and missions of
-        later rounds."""
+        """Records what Results.note_all() does not record: the result of a mission for its further indices in this round (``repeated``),
+        and which missions of later rounds have results."""
         if not repeated and -1 not in reply.indices:
             return
         records: list[Record] = []

@@ -216,8 +216,8 @@ class Evidence:
         return self.mean_bound(Moments().add(differences))
 
     def share_bound(self, wins: int, decided: int) -> float:
-        """Returns the lower bound of the share of successes of the first design among the ``decided`` replicates in which exactly one of
-        two designs succeeds."""
+        """Returns the lower bound of the share ``wins`` / ``decided``. ``decided`` is the number of replicates in which exactly one of two
+        designs succeeds, and ``wins`` is the number of those in which it is the first design."""
         return (SEQUENCES if self.study.looks else DECIDED).share(wins, decided, self.pair_error)[0]
 
     def mean_bound(self, differences: Moments) -> float:
@@ -261,8 +261,8 @@ class Evidence:
         return self.advantage(design, other, self.study.objective(label)) > 0
 
     def leaders(self, designs: Sequence[int]) -> list[int]:
-        """Returns the designs of the Pareto front of the means so far: no other design dominates them, but one of them dominates each other
-        design."""
+        """Returns the designs on the Pareto front of the means so far. No design dominates them, and one of them dominates each other
+        design. Ignores designs without a mean of each objective that is minimised or maximised."""
         points = [(design, self._point(design)) for design in designs]
         complete = [(design, point) for design, point in points if None not in point]
         if not complete:

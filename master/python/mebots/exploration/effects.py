@@ -111,8 +111,8 @@ def _means(cells: np.ndarray, count: int, values: np.ndarray) -> list[float | No
 
 
 def pairs_of(factors: Sequence[Factor]) -> list[tuple[int, int]]:
-    """Returns the pairs of factors with more than one level, as indices. Omits further pairs when all pairs together have more than
-    ``_MOST_CELLS`` combinations of levels."""
+    """Returns the pairs of factors with more than one level, as indices. Stops before the pairs together have more than ``_MOST_CELLS``
+    combinations of levels."""
     varied = [at for at, factor in enumerate(factors) if len(factor.levels) > 1]
     result, cells = [], 0
     for first, second in itertools.combinations(varied, 2):

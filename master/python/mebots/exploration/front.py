@@ -36,8 +36,8 @@ def places(evidence: Evidence) -> list[str]:
 
 
 class Dominance:
-    """Answers whether other designs dominate a design. A design is compared with the leaders (the front by means) among ``feasible``. It
-    must be certainly better than each of ``rivals`` in some objective to be certainly on the front."""
+    """Determines whether a design is certainly dominated, or certainly not. is_dominated() compares it with the leaders, which are the
+    Pareto front of the means of ``feasible``. is_best_somewhere() compares it with all ``rivals``."""
 
     def __init__(self, evidence: Evidence, feasible: list[int], rivals: list[int]) -> None:
         self._evidence = evidence
@@ -63,8 +63,8 @@ class Dominance:
             lead = self._leaders_low[at] - self._high[design, at]
             never_worse &= (lead > 0) | (lead > -tolerance)
             some_better |= lead > 0
-            # A cheap test first: a leader whose mean difference is too small cannot dominate, because the lower bound of a difference is
-            # below its mean.
+            # A cheap test for leaders with the same missions: if the mean difference is too small, the leader cannot dominate, because the
+            # lower bound of a difference is below its mean.
             may_lead &= self._leaders_mean[at] > self._mean[design, at] - tolerance - self._slack[at]
         others = leaders != design
         if (never_worse & some_better & others).any():

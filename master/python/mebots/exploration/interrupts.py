@@ -62,8 +62,8 @@ def interrupt(number: int, frame: object) -> None:
 
 @contextlib.contextmanager
 def _handled() -> Iterator[None]:
-    """Replaces Python's handler of Ctrl-C, which raises KeyboardInterrupt between any two instructions. If another program has set a
-    handler, keeps that one."""
+    """Replaces Python's handler of Ctrl-C, which raises KeyboardInterrupt between any two instructions. If the embedding program has set
+    another handler, keeps it."""
     if signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
         yield
         return

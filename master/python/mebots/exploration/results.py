@@ -147,8 +147,8 @@ class Results:
         return self._names, [np.array(self._outcomes[design]) for design in range(len(self.evidence.counts))]
 
     def settle(self, most_failures: int | None) -> int:
-        """Settles further missions of the round in their order. Stops before the first mission without a result, and after the mission that
-        exceeds the permitted number of failures. Returns the number of failures so far."""
+        """Settles further missions of the round in their order. Stops before the first mission without a result, or after the mission with
+        which the number of failures reaches ``most_failures``. Returns the number of failures so far."""
         end = self._states.find(_OPEN, self._settled)
         end = len(self._states) if end < 0 else end
         if most_failures is None:

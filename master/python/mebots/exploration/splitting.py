@@ -117,8 +117,8 @@ def _fly_level(space: Space, estimates: Sequence[Estimate], number: int, bring: 
 def _flown_to(
     space: Space, estimates: Sequence[Estimate], level: Callable[[Estimate], float], number: int, bring: Bring
 ) -> list[tuple[Estimate, list[tuple[Way, Record]]]]:
-    """Runs the missions of each estimate that start at its level ``number`` - 1 (at t = 0 if ``number`` is 0). They end at
-    ``level(estimate)``. Returns the missions of each estimate with their records."""
+    """Runs the missions of each estimate that start at its level ``number`` - 1 (at t = 0 if ``number`` is 0). They run to
+    ``level(estimate)``, or to their end if they do not reach it. Returns the missions of each estimate with their records."""
     study = space.study
     flights = [(one, [(way, _order(space, one, way, level(one))) for way in _ways(study, one, number)]) for one in estimates]
     journal = bring([order for _, own in flights for _, order in own], _most_later(space, estimates, number))

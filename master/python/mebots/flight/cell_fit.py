@@ -232,7 +232,7 @@ class _Problem:
         return voltage_v[: count * per_block].reshape(count, per_block).mean(axis=1)
 
     def _write_power(self, number: int, flight: Flight) -> None:
-        """Writes the power of a flight to a file. Before the flight, the power is the mean of the flight's first seconds."""
+        """Writes the power of a flight to a file. For times before the log begins, uses the mean power of the log's first seconds."""
         times = np.r_[-2 * _LONGEST_S, np.arange(len(flight.power_w)) * STEP_S]
         rows = np.column_stack([times, np.r_[flight.power_w[: round(SETTLE_S / STEP_S)].mean(), flight.power_w]])
         np.savetxt(self.folder / f"power{number}.csv", rows, fmt="%.9g", delimiter=",", header="time,power", comments="")

@@ -77,8 +77,7 @@ def thrusts(traces: Traces, log: FlightLog) -> Iterator[tuple[str, Array, Mask]]
 
 
 def _at_measured_speed(traces: Traces, speed: Signal, rotor: int) -> Array:
-    """Returns the thrust of a rotor at its measured speed: the model's thrust at that time, scaled by the square of the measured speed
-    divided by the model's speed."""
+    """Returns the thrust of a rotor at its measured speed: the model's thrust at that time, times (measured speed / model's speed)^2."""
     own = f"{'motors_at_measured' if traces.has_measured_voltage else 'motors'}.rotor[{rotor}]"
     turning = np.maximum(traces[f"{own}.speed"], 1.0)
     return traces[f"{own}.thrust"] * (np.interp(traces.times, speed.times, speed.values) / turning) ** 2

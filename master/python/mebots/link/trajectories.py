@@ -40,7 +40,7 @@ class Ends(NamedTuple):
 
 
 def between(start: Ends, end: Ends, duration_s: float) -> list[float]:
-    """Returns the coefficients of the polynomial of degree 7 from ``start`` to ``end`` in ascending order. The jerk is zero at both ends.
+    """Returns the coefficients of the polynomial of degree 7 from ``start`` to ``end``, the constant first. The jerk is zero at both ends.
 
     With s = t / T and d = end - (start + v s T + a (s T)^2 / 2) and its derivatives at s = 1, d0, d1, d2, the terms of degree 4 to 7 in s
     solve p(1) = d0, p'(1) = d1, p''(1) = d2, p'''(1) = 0. With a duration of 0, returns a polynomial that starts at ``end``.

@@ -33,7 +33,8 @@ class ThreadPolicy {
   bool parallel() const { return parallel_; }
   /// Must be called after each communication step. Decides whether the next steps are parallel.
   void stepped();
-  /// Records the wall time of a window of kWindow steps, or of a parallel window that was abandoned earlier [s].
+  /// Records the wall time of a window of kWindow steps [s]. A parallel window may also end before its last step, if it
+  /// already takes longer than a serial window.
   void window_took(double time_s);
 
  private:

@@ -49,7 +49,7 @@ std::string reason(const char* what) {
 /// Id of the process that created the latest ExitGuard. Guards have no effect in other processes, such as forked
 /// copies.
 std::atomic<pid_t> guarded_process = 0;
-/// The thread in which end_busy_runs() is ending the process; 0 if no thread is doing this.
+/// Id of the thread in which end_busy_runs() is ending the process; 0 if there is no such thread.
 std::atomic<pid_t> ending_thread = 0;
 /// A signal that was received outside of calls to FMUs; 0 if there was none.
 std::atomic<int> kept_signal = 0;

@@ -16,8 +16,8 @@ struct OspVariable {
   std::string text() const { return simulator + "." + variable; }
 };
 
-/// A connection that replaces a function. It adds `factor * from + offset` to the variable `to`. `from` is connected to
-/// an input of the function, `to` to an output.
+/// A connection from a source of a function's input to a target of its output. It adds `factor * from + offset` to the
+/// variable `to`. Such connections replace the function.
 struct FunctionLink {
   OspVariable from;
   OspVariable to;

@@ -132,8 +132,7 @@ class Course {
   const std::optional<ValueMap>& map() const { return map_; }
   const std::optional<modeldesc::Unit>& unit() const { return unit_; }
   bool converts_units() const { return converts_units_; }
-  /// True if a conversion of units between two of the connected connectors has an offset, such as from Celsius to
-  /// kelvin.
+  /// True if one of the unit conversions of the chain has an offset, such as from Celsius to kelvin.
   bool shifts_units() const { return shifts_units_; }
   /// Returns the changed value. Throws InputError if it cannot be changed; the message begins with `name`.
   Json apply(const Json& value, const std::string& name) const;

@@ -139,7 +139,7 @@ class ConfigMaker {
   }
 
   /// Adds one connection to the config, from the first to the last variable of `way`. It combines the transformations
-  /// of all connections of `way`.
+  /// of all connections of `way`. If their combined factor is 0, sets the last variable to the offset instead.
   void connect(const Way& way, StartingValues& values) {
     const auto& from = way.front().from;
     const auto& to = way.back().to;
@@ -197,7 +197,8 @@ class ConfigMaker {
   }
 
   /// If connectors of a system have values for single elements of the array, returns a chain for each of these
-  /// elements. Omits elements that are connected alone. If no element has such a value or connection, returns `way`.
+  /// elements. Omits elements with a connection of their own. If no element has such a value or connection, returns
+  /// only `way`.
   std::vector<Way> parts_with_values(const Way& way, const StartingValues& values) const {
     std::set<std::string> elements;
     for (const auto& hop : way) {
