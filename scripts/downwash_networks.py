@@ -5,8 +5,9 @@
 Usage: .venv/bin/python scripts/downwash_networks.py FOLDER FILE.json [--large]
 
 FOLDER contains phi_S.pth, phi_G.pth and rho_S.pth (for large drones: phi_L.pth, phi_G.pth, rho_L.pth) from
-github.com/aerorobotics/neural-swarm, data/models/models/output. That repository has no licence, so MEbots contains no part of it: the files are
-yours. Networks that you have trained can be converted too, if each file is a state_dict of linear layers in their order. PyTorch is not needed.
+github.com/aerorobotics/neural-swarm, data/models/models/output. That repository has no licence, so MEbots contains no part of it, and you need
+your own copy. Networks that you have trained can be converted too, if each file is a state_dict of linear layers in their order.
+PyTorch is not needed.
 """
 
 import argparse

@@ -7,16 +7,16 @@
 
 | case | what is measured |
 |---|---|
-| hot code | the rate of code of 5.7, 11, 44 and 175 KiB behind GAP8's cache, and of QEMU -icount and Spike (code_size.py) |
+| hot code | the rate of code of 5.7, 11, 44 and 175 KiB on mebots-soc with GAP8's cache, on QEMU -icount and on Spike (code_size.py) |
 | device register, mcycle, trap | the time of a load from a register of the PLIC, of a read of mcycle, and of ecall with a handler (below) |
 | barrier, DMA | the time of a barrier of eight cores, and of a DMA copy of 256 bytes with its wait (programs/cluster_events.c) |
 | RAM | processor time and memory of a short run with 128 MiB of RAM |
 | Embench | the rate of nettle-sha256, the slowest program (embench.py), with --embench |
 
 The time of an event is that of a loop with the event minus that of the same loop without it (programs/events.c, on board virt and on
-QEMU's machine virt). Spike has the same addresses. The trap's handler has four instructions. All times are processor time; simulators and builds alternate. Times are
-the least of the repeats, and rates are the median. With `--before`, the times of another build of mebots-soc follow. The exit code is 1
-if a program's checksums differ.
+QEMU's machine virt; the addresses on Spike are the same). The trap's handler has four instructions. All times are processor time; simulators
+and builds alternate. The tables contain the least of the measured times, and the median of the measured rates.
+With `--before`, the times of another build of mebots-soc follow. The exit code is 1 if a program's checksums differ.
 """
 
 import argparse
@@ -53,8 +53,8 @@ def event_files(event, folder, for_spike=False):
 
 
 def least_times(commands, files, repeats, turns, files_of=None):
-    """Returns for each simulator the least time of one turn [ns], and whether all exit codes are equal. `files_of` has
-    the files of simulators that need others."""
+    """Returns for each simulator the least time of one turn [ns], and whether all exit codes are equal. `files_of`
+    maps a simulator to its programs if it cannot run `files`."""
     best = {}
     codes, good = {}, True
     for _ in range(repeats):

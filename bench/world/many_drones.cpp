@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Measures speed and memory of a world with several drones. The speed is the number of drones times simulated time,
 // divided by processor time. The drones hover with the Crazyflie's own cascade. Each rotor is a first-order lag. There
-// are no pictures, chips or master. Then measures a picture and camera.objects of a drone that sees all others.
+// are no pictures, chips or master. Then measures the times of a picture and of the output camera.objects, for a drone
+// whose camera sees all others.
 #include "model.hpp"
 #include "scene/load.hpp"
 #include "stabiliser/stabiliser.hpp"
@@ -114,7 +115,8 @@ double median_ms(const Act& act) {
   return times_ms[30];
 }
 
-/// The first drone looks at the others, which are 1.5 to 2.7 m ahead of it in rows of five.
+/// Measures pictures and camera.objects. The camera of the first drone sees all others, which are 1.5 to 2.7 m ahead of
+/// it in rows of five.
 void measure_objects(const scene::Scene& scene, std::size_t count) {
   Parameters shared;
   shared.start_spacing_m = {};

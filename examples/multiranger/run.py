@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Flies a drone through a hall of boxes, which it avoids with five range sensors. Then flies it without avoiding.
+"""Flies a drone through a hall of boxes, which it avoids with five range sensors. Also flies it without using the sensors.
 
 Usage: .venv/bin/python examples/multiranger/run.py [--build BUILD_FOLDER] [--out FOLDER]
 
@@ -19,7 +19,7 @@ HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
 HALF_DRONE_M = 0.046
 LEAST_DISTANCE_M = 0.2  # from the drone's middle to a box or a wall
-FORWARD_M = 0.0175  # place of the sensors: params/drones/crazyflie.json
+FORWARD_M = 0.0175  # distance of the front sensor from the drone's middle: fmu_world/params/drones/crazyflie.json
 
 
 def require(good, complaint):
@@ -50,10 +50,10 @@ def check_distances(columns, boxes):
 
 
 def check_front(columns, boxes):
-    """Compares the sensor in front with the box that is ahead of it."""
+    """Compares the readings of the front sensor with the distance to the nearest box ahead."""
     compared = 0
     for row in range(60, len(columns["time"])):
-        # A sample is up to 0.1 s old. It is compared only if the drone was level and hardly moved.
+        # A sample is up to 0.1 s old. So the comparison uses only rows in which the drone is level and hardly moves.
         angles = [abs(columns[f"world.drone.{angle}"][row]) for angle in ("roll", "pitch", "yaw")]
         if max(angles) > 0.02 or columns["world.drone.speed"][row] > 0.1 or columns["world.drone.position.z"][row] < 0.5:
             continue

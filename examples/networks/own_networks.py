@@ -104,8 +104,8 @@ def model(name):
 
 
 def with_all_levels(pictures):
-    """Returns pictures that contain the darkest and the brightest grey level, from which `mebots deploy` computes the input's scale. If a level is
-    missing, adds a copy of the first picture with both levels in its corners."""
+    """Returns pictures that contain the darkest and the brightest grey level, because `mebots deploy` computes the input's scale from the
+    pictures. If a level is missing, adds a copy of the first picture with both levels in its corners."""
     if pictures.min() == -128 and pictures.max() == 127:
         return pictures
     added = pictures[:1].copy()

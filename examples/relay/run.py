@@ -36,7 +36,7 @@ def fly(build, out, loss, *options):
 
 
 def check_order(columns):
-    """A drone takes off when the previous one is at the end of its leg, and not before."""
+    """Checks that each drone takes off when the previous one is at the end of its leg, and not before."""
     time = columns["time"]
     for drone in DRONES:
         way, height = ([columns[f"world.drone[{drone}].position.{axis}"][row] for row in range(len(time))] for axis in "xz")

@@ -30,8 +30,8 @@ namespace mebots::world {
 class World {
  public:
   /// Places the drones at their starts and writes the first outputs. Parameters, inputs and outputs must outlive the
-  /// world. Throws mebots::Error for invalid values. The contents of the file `downwash.networks` replace the formula
-  /// of downwash().
+  /// world. Throws mebots::Error for invalid values. `downwash_networks` is the content of the file that the parameter
+  /// `downwash.networks` names. If it has a value, it replaces the formula of downwash().
   World(scene::Scene scene, const Parameters& parameters, const Inputs& inputs, Outputs& outputs,
         std::vector<DroneSetup> drones, EventLog log, std::int64_t start_ns,
         std::optional<scene::DownwashNetworks> downwash_networks = {});

@@ -52,7 +52,7 @@ std::string list_of(const std::string& title, const std::vector<Argument>& argum
 }
 
 /// Converts the footer of a program's help to sections of its manual page. A line that ends with a colon becomes a
-/// section title. Indented lines are copied unchanged.
+/// section title. Lines that are indented by two spaces keep their line breaks.
 std::string sections_of(const std::string& footer) {
   std::string text;
   bool is_literal = false;

@@ -89,7 +89,7 @@ class Convolutions(OperatorCase):
         return deployed
 
     def test_dense_layers_give_the_references_integers_with_each_number_of_cores(self):
-        # One group of four channels for all cores; groups that end inside of a core's products; less than a word for each core.
+        # The layers have one group of four channels for all cores, groups that end within a core's part of the products, and fewer words than cores.
         for inputs, sizes in ((517, (3, 4, 64, 37)), (9, (70, 5))):
             maker = Maker(18, (inputs, 1, 1))
             name, before = "x", inputs

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Reads any bytes after the hash of a checkpoint and of a saved run. The reader must throw Error, or return an
-// object. If the object is written, read and written again, both writings must have the same bytes. The input may
-// contain wrong sizes.
+// Reads any bytes after the hash of a checkpoint and of a saved run. The reader must throw Error, or return an object.
+// The object is then written, read and written again: both times with the same bytes. The input may contain wrong
+// sizes.
 #include "run/checkpoint.hpp"
 
 #include "mebots/error.hpp"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Reads any bytes as an ELF program. The reader must throw Error, or return a program that the simulator can load: its
-// segments fit into the address space and do not overlap, and its entry is inside a segment.
+// segments fit into the address space, no byte is loaded twice, and its entry is even and inside a segment.
 #include "elf/elf.hpp"
 
 #include "mebots/error.hpp"

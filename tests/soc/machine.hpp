@@ -25,7 +25,8 @@ struct MachineSettings {
 };
 
 /// Simulates a hart with 1 MiB of RAM at 0x80000000 and 4 KiB at 0x70000000. A store into `tohost` ends a program. The
-/// only device has two registers with the number of the cycle. The load of the first one is quiet: see Bus.
+/// only device has two registers with the number of the cycle. Loads from the first register are quiet: see
+/// Bus::load_quietly().
 class Machine : private Bus {
  public:
   static constexpr std::uint32_t kRam = 0x80000000;

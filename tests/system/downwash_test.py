@@ -51,7 +51,7 @@ class Pickler(pickle.Pickler):
 
 
 def stand_in_for_torch():
-    """Creates modules whose names the pickle contains."""
+    """Creates stand-ins for PyTorch's modules, whose names the pickled file must contain."""
     torch, utils = types.ModuleType("torch"), types.ModuleType("torch._utils")
     torch.FloatStorage = type("FloatStorage", (), {"__module__": "torch"})
     exec("def _rebuild_tensor_v2(*_): raise NotImplementedError", utils.__dict__)
@@ -139,7 +139,8 @@ def check(mebots, folder, fmu, count, networks, file):
             worst, most, pairs = max(worst, abs(velocity[k + 1, i] - expected).max() * mass[i] / STEP_S), max(most, abs(force)), pairs + neighbours
     assert pairs > STEPS, f"only {pairs} neighbours"
     assert most > 0.005, f"the greatest force is only {most} N"
-    # Velocities up to 2 m/s are rounded to 2e-16 m/s: 1e-14 N for 50 g and 1 ms. A force is a sum of thousands of terms.
+    # Rounding changes velocities up to 2 m/s by 2e-16 m/s, which is 1e-14 N for 50 g and 1 ms. A force is a sum of thousands of terms, so its
+    # rounding errors are larger.
     assert worst < 1e-11, f"the forces differ by {worst} N"
     print(f"{fmu}: {count} drones, {pairs} pairs in {STEPS} steps, forces up to {most:.3f} N, greatest difference {worst:.1e} N")
     return json.loads((folder / "out/summary.json").read_text())["inputs"]

@@ -8,7 +8,7 @@ from mcap.reader import make_reader
 
 
 def messages_of(file):
-    """Returns the messages of each topic as name of the schema, time [ns] and content."""
+    """Returns the messages of each topic, each as (name of the schema, time [ns], content)."""
     messages = collections.defaultdict(list)
     with open(file, "rb") as stream:
         for schema, channel, message in make_reader(stream, validate_crcs=True).iter_messages():

@@ -8,15 +8,15 @@
 #define ALTITUDE_UM 800000
 #define CRUISE_MM_S 400
 #define SIDESTEP_MM_S 300
-#define BLOCKED_MM 900     // an obstacle ahead is passed on one side
+#define BLOCKED_MM 900     // distance to an obstacle ahead at which a sidestep starts
 #define STOP_MM 450        // distance to an obstacle ahead at which the forward speed is 0
 #define CLEARANCE_MM 600   // distance to an obstacle at the side from which the drone moves away
-#define DEAD_END_MM 450    // distance at the side at which a sidestep turns round
-#define CORNER_PERIODS 24  // duration of a sidestep after the way ahead is free: 0.36 m for the width of the drone
+#define DEAD_END_MM 450    // distance to an obstacle at the side at which a sidestep reverses or ends
+#define CORNER_PERIODS 24  // of a sidestep after the way ahead is free: 0.36 m, for the drone's width
 
 typedef struct {
   int direction;  // of the sidestep: 1 = left, -1 = right, 0 = none
-  int periods;    // until the end of the sidestep
+  int periods;    // periods until the end of the sidestep
 } avoid_t;
 
 static int32_t limited(int32_t value, int32_t least, int32_t most) {
@@ -32,7 +32,8 @@ static void fly(uint32_t mode, int32_t x_mm_s, int32_t y_mm_s) {
   FLIGHT_COMMIT = 1;
 }
 
-// Starts a sidestep towards the side with more space, or continues it until the drone has passed the corner.
+// Starts a sidestep towards the side with more space, or continues it until the drone has passed the corner. If that
+// side has an obstacle, reverses the sidestep, or ends it if the way ahead is free.
 static void choose_side(avoid_t* avoid) {
   if (RANGER_FRONT < BLOCKED_MM) {
     if (avoid->direction == 0) {
@@ -72,7 +73,8 @@ static void fly_on(avoid_t* avoid) {
   }
   choose_side(avoid);
   if (avoid->direction != 0) {
-    // The drone still has some speed when it begins the sidestep.
+    // At the start of a sidestep, the drone still has some forward speed. If it comes nearer than STOP_MM, it flies
+    // back.
     const int32_t back_mm_s = limited((int32_t)RANGER_FRONT - STOP_MM, -SIDESTEP_MM_S, 0);
     fly(FLIGHT_MODE_FLY, back_mm_s, SIDESTEP_MM_S * avoid->direction);
   } else {

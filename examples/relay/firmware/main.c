@@ -14,11 +14,11 @@
 enum { kGo = 1, kReply = 2 };  // first word of a packet
 
 typedef struct {
-  bool flies;     // has the order to fly
+  bool flies;     // it is drone 1, or has a packet from the previous drone
   bool is_done;   // the next drone has replied, or there is no next drone
-  bool is_empty;  // the charge is below the reserve before that
-  int leg_ms;     // flown on the leg
-  int silent_ms;  // since the last packet to the next drone
+  bool is_empty;  // the charge fell below the reserve before is_done
+  int leg_ms;     // time of flight on the leg so far
+  int silent_ms;  // time until the next packet to the next drone
 } relay_t;
 
 static void fly(uint32_t mode, int32_t x_mm_s) {
@@ -35,7 +35,8 @@ static void send(uint32_t to, int32_t what) {
   radio_send(to, &packet);
 }
 
-// A drone repeats its packet if the reply was lost, so each packet gets a reply.
+// Handles a received packet. The previous drone repeats its packet until a reply arrives. Therefore each packet gets a
+// reply.
 static void hear(relay_t* relay) {
   radio_packet_t packet;
   uint32_t from = 0;

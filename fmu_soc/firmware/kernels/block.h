@@ -6,8 +6,8 @@
 
 #include "kernels/requantise.h"
 
-// A block of four output positions and four channels, or of several groups of four channels. The assembly uses the
-// places of the fields.
+// Four output positions, and one or more groups of four output channels. The assembly code accesses the fields by their
+// offsets.
 typedef struct {
   int32_t runs;   // ranges of contiguous bytes in a patch
   int32_t words;  // words in a run
@@ -16,9 +16,9 @@ typedef struct {
   int32_t high;
   int32_t to_next;  // bytes from one output position to the next
   const layer_group_t* group;
-  int32_t groups;             // from `group` on
-  uint8_t* to;                // first output position
-  const uint8_t* patches[4];  // of the output positions
+  int32_t groups;             // number of groups, from `group` on
+  uint8_t* to;                // outputs of `group` at the first position
+  const uint8_t* patches[4];  // of the four positions
   int32_t sums[16];           // four channels of the first position, then of the second position, and so on
 } block_t;
 
@@ -28,7 +28,8 @@ typedef struct {
   XPULP_SDOTUSP_B(a, patch, "t0")        \
   XPULP_SDOTUSP_B(b, patch, "t1") XPULP_SDOTUSP_B(c, patch, "t2") XPULP_SDOTUSP_B(d, patch, "t3")
 
-// Bytes of a group before its weights.
+// The number of bytes of a group before its weights: layer_group_t, and with SCALING_EXACT the lower words of the
+// addends.
 #define HEADER(scaling) (sizeof(layer_group_t) + ((scaling) == SCALING_EXACT ? 16 : 0))
 
 #define FIELD(name) "%[" #name "](%[block])\n\t"
@@ -77,7 +78,7 @@ typedef struct {
   ", %[p1]\n\t"                                                                                \
   "add " a ", " a ", %[p0]\n\t"
 
-// Limit a value. The bounds are t3 and t4; FROM_ZERO is faster, but needs the lower bound 0.
+// Limit a value to the bounds t3 and t4. FROM_ZERO is faster, but requires that the lower bound is 0.
 #define BETWEEN(a) XPULP_MAX(a, a, "t3") XPULP_MIN(a, a, "t4")
 #define FROM_ZERO(a) XPULP_CLIPUR(a, a, "t4")
 
@@ -97,8 +98,8 @@ typedef struct {
 
 #define STORE(a, b, c, d) XPULP_PACKLO_B(a, b, a) XPULP_PACKHI_B(a, d, c) XPULP_SW_POST_REG(a, "t1", "t0")
 #define LOAD_BOUNDS "lw t3, " FIELD(low) "lw t4, " FIELD(high) "lw t5, " FIELD(group) "sw %[w], " FIELD(group)
-// t0 is the place of the first position. The place of the next group is four bytes after it. t3 is the number of
-// groups.
+// Loads the address of the first position's outputs into t0, the distance to the next position into t1, and the number
+// of groups that are left into t3. The outputs of the next group are four bytes later.
 #define LOAD_PLACE \
   "lw t0, " FIELD(to) "lw t1, " FIELD(to_next) "lw t3, " FIELD(groups) "addi t2, t0, 4\n\tsw t2, " FIELD(to)
 
@@ -113,7 +114,7 @@ typedef struct {
       CONVERT_LARGEST(product, limit, "2", "s2") CONVERT_LARGEST(product, limit, "3", "s3")                      \
           LOAD_PLACE STORE("s0", "s1", "s2", "s3")
 
-// Repeats `text` for each group.
+// Executes `text` for each group. `text` must contain LOAD_PLACE, which loads the number of groups that are left.
 #define FOR_EACH_GROUP(text) "1:\n\t" text "addi t3, t3, -1\n\tsw t3, " FIELD(groups) "bnez t3, 1b\n\t"
 
 #define RUN(text)                                                                                                     \

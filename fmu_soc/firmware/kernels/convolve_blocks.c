@@ -27,7 +27,7 @@ static inline __attribute__((always_inline)) void copy_ranges(uint8_t* to, const
 
 #ifdef __riscv
 
-// Copy one to four words of a row. The upper words come first, because the lower word moves the pointer to the next
+// Load or store one to four words of a row. The first word comes last, because its access moves the pointer to the next
 // row.
 #define LOAD_1(a, b, c, d, from) XPULP_LW_POST_REG(a, "%[step]", from)
 #define LOAD_2(a, b, c, d, from) "lw " b ", 4(" from ")\n\t" LOAD_1(a, b, c, d, from)
@@ -40,7 +40,7 @@ static inline __attribute__((always_inline)) void copy_ranges(uint8_t* to, const
 #define COPY_TWO(words, from_a, from_b, to_a, to_b)                                         \
   LOAD_##words("t0", "t1", "t2", "t3", from_a) LOAD_##words("t4", "t5", "a6", "a7", from_b) \
       STORE_##words("t0", "t1", "t2", "t3", to_a) STORE_##words("t4", "t5", "a6", "a7", to_b)
-// `length` is 8 x `words`.
+// `length` is the number of instructions of the loop, 8 x `words`.
 #define COPY_ROWS(words, length)                                                                                       \
   __asm__ volatile(XPULP_LOOP("x0", "%[n]", length) COPY_TWO(words, "%[a]", "%[b]", "%[to_a]", "%[to_b]")              \
                        COPY_TWO(words, "%[c]", "%[d]", "%[to_c]", "%[to_d]") XPULP_LOOP_END                            \
@@ -49,7 +49,8 @@ static inline __attribute__((always_inline)) void copy_ranges(uint8_t* to, const
                    : [n] "r"(layer->gather_rows), [step] "r"(layer->gather_row_step), [bytes] "r"(layer->gather_bytes) \
                    : "t0", "t1", "t2", "t3", "t4", "t5", "a6", "a7", "memory")
 
-// Copies the rows of four patches. A row has at most 16 bytes. Copies are `size` bytes apart.
+// Copies the rows of four patches to `to`. A row must have at most 16 bytes. Each copy takes layer->gathered_bytes
+// bytes.
 static inline __attribute__((always_inline)) void gather_short_rows(const layer_t* layer,
                                                                     const uint8_t* const patches[4], uint8_t* to) {
   const int32_t size = layer->gathered_bytes;
@@ -135,7 +136,7 @@ typedef struct {
   int32_t to_lower;
 } places_t;
 
-// Does what next_four() does if the positions are in several rows, or if there are fewer than four.
+// Performs next_four() if the positions may be in several rows, or may be fewer than four.
 static __attribute__((noinline)) void next_few(places_t* at, int32_t left, const uint8_t* patches[4]) {
   const uint8_t* patch = at->row + at->x * at->to_next;
   for (int i = 0; i < 4; ++i, --left) {
@@ -231,7 +232,9 @@ static inline __attribute__((always_inline)) void convolve(const layer_step_t* s
   const int gathers = layer->gather_runs > 0;
   const int32_t element = layer->element;
   const int32_t channels = step->channels * element;
-  // Cores share the units. If one of few blocks is short, all cores compute all blocks, and share the groups.
+  // A unit is a block with one group of channels. Usually, the cores divide all units among each other. If there are
+  // fewer blocks than cores, and the last block has only one position, each core computes all blocks, but only a part
+  // of the groups.
   range_t groups = {0, step->groups};
   range_t units;
   if (!gathers && blocks < share.cores && count % each == 1 && step->groups % share.cores == 0) {
@@ -249,7 +252,8 @@ static inline __attribute__((always_inline)) void convolve(const layer_step_t* s
   uint8_t* to = (layer->then != 0 ? step->unpooled : step->out) + place * channels;
   const int32_t to_lower = layer->stride_rows * step->in_pitch;
   const int32_t y = place / columns;
-  // Columns outside the input that the tile does not have are before its rows.
+  // The tile contains no columns outside the input. `in` is the address at which the first row would begin if it
+  // contained them.
   const uint8_t* in = step->in - layer->outside_left * step->in_channels;
   places_t at = {place - y * columns, columns, in + y * (is_pooled ? 2 : 1) * to_lower,
                  layer->stride_columns * step->in_channels, to_lower};

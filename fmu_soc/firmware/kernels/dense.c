@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Dense layers: convolutions with one output position, whose patch is contiguous. Each core computes the same number of
-// products. A core can begin or end within the products of four channels. Then it stores their partial sums, and the
-// core that computes the first of these products adds them.
+// products. Several cores may share the products of a group of four channels. Then the core that computes the first
+// products of the group adds the partial sums of the other cores, and stores the outputs.
 #include "kernels/machine.h"
 #include "kernels/requantise.h"
 #include "kernels/work.h"
 
-// Adds the products of `words` words of the patch with the weights of four channels.
+// Multiplies `words` words of the patch by the weights of four channels, and adds the products to `sums`.
 static inline __attribute__((always_inline)) void add_words(int32_t sums[4], const uint8_t* patch,
                                                             const int8_t* weights, int32_t words) {
   int32_t a = sums[0], b = sums[1], c = sums[2], d = sums[3];
@@ -32,8 +32,8 @@ static inline __attribute__((always_inline)) void store_group(const layer_step_t
   store_places(step->layer, group, sums, step->out + 4 * number * step->layer->element, 0, 1, scaling);
 }
 
-// Adds the partial sums of those cores that computed the products of a group up to word `end` of the step. A core
-// computed `each` words.
+// Adds to `sums` the partial sums of the cores after `core` that computed products of the same group. Each core
+// computed `each` words, and the group ends at word `end` of the step.
 static void add_partials(const layer_step_t* step, int32_t core, int32_t each, int32_t end, int32_t sums[4]) {
   const uint8_t* partial = step->gathered;
   while (++core * each < end) {
@@ -54,8 +54,8 @@ static inline __attribute__((always_inline)) void compute(const layer_step_t* st
   int32_t number = at / words;
   int32_t word = at - number * words;
   const layer_group_t* group = (const layer_group_t*)(const void*)(step->data + number * layer->group_bytes);
-  int32_t* partial = (int32_t*)(void*)step->gathered;  // of the group that another core begins
-  int is_begun = 0;                                    // true if another core computes the last products of `group`
+  int32_t* partial = (int32_t*)(void*)step->gathered;  // of a group whose first products another core computes
+  int is_begun = 0;                                    // true if other cores compute the last products of `group`
   int32_t sums[4];
   while (at < end) {
     const int32_t count = smaller(words - word, end - at);
@@ -78,7 +78,7 @@ static inline __attribute__((always_inline)) void compute(const layer_step_t* st
     group = (const layer_group_t*)(const void*)((const uint8_t*)group + layer->group_bytes);
   }
   if (each % words == 0) {
-    return;  // no cores share a group
+    return;  // each group belongs to a single core
   }
   machine_barrier();
   if (is_begun) {

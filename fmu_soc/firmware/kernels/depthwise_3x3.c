@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Computes depthwise convolutions with a kernel of 3 x 3. A unit of work is four channels of a strip of output rows.
 //
-// First, the core copies the input rows of each one or two output rows to its buffer: a column is one word per channel,
-// which contains the values of up to four rows. Then it computes the output of each channel with three words of its
-// buffer for each position. The weights and the numbers of the requantisation stay in registers. With a stride of one
-// row, four input rows give two output rows: the lower row uses the same words, and weights that are shifted by one
-// byte.
+// A pass computes one or two output rows. For each pass of the strip, the core first copies the input rows to its
+// buffer. There, a column has one word per channel, which contains the values of three or four rows. Then the core
+// computes the outputs of each channel. Each output needs three words of the buffer. The weights and the numbers of the
+// requantisation stay in registers. With a stride of one row, a pass computes two output rows from four input rows: the
+// lower row uses the same words, and weights that are shifted by one byte.
 #include "kernels/requantise.h"
 #include "kernels/work.h"
 
@@ -18,16 +18,16 @@ typedef struct {
   int32_t step[ROWS];
 } rows_t;
 
-// A channel's outputs in a strip. Each pass computes `count` positions of one row, or of two rows. One row: `lower` is
-// null.
+// The outputs of a channel in a strip. Each pass computes `count` positions of the row at `upper` and, unless `lower`
+// is null, of the row at `lower`.
 typedef struct {
   uint8_t* upper;
   uint8_t* lower;
   int32_t count;
   int32_t to_next;  // bytes to the next position
   int32_t passes;
-  int32_t next_pass;  // bytes from a pass's last position to the place of the next pass
-  int32_t columns;    // of the buffer for each pass
+  int32_t next_pass;  // bytes from the end of a pass's row to the start of the next pass's row
+  int32_t columns;    // number of the buffer's columns for each pass
 } places_t;
 
 #ifdef __riscv
@@ -59,7 +59,7 @@ static inline __attribute__((always_inline)) void turn_columns(const rows_t* row
   "lw t2, 32(%[p])\n\t" XPULP_LW_POST_REG("t0", "%[step]", "%[p]")
 #define PRODUCTS(k) XPULP_SDOTUSP_B("t3", "t2", "%[" k "2]") XPULP_SDOTUSP_B("t3", "t0", "%[" k "0]")
 #define STORE(to) XPULP_SB_POST_REG("t3", "%[to_next]", "%[" to "]")
-// Limit a value and store it. FROM_ZERO has one instruction less, but needs the lower bound 0.
+// Limit a value and store it. FROM_ZERO has one instruction less, but requires that the lower bound is 0.
 #define BETWEEN(to) XPULP_MAX("t3", "t3", "%[low]") XPULP_MIN("t3", "t3", "%[high]") STORE(to)
 #define FROM_ZERO(to) XPULP_CLIPUR("t3", "t3", "%[high]") STORE(to)
 #define SHIFT XPULP_ADDNR("t3", "%[addend]", "%[shift]")
@@ -75,8 +75,8 @@ static inline __attribute__((always_inline)) void turn_columns(const rows_t* row
   "sltu t3, t3, %[more]\n\t"       \
   "add t3, t3, t4\n\t" SHIFT  // 10 instructions
 
-// Computes all passes. A pass is a loop of `length` instructions; `body` is `length` + 4. In two rows, the lower
-// position is stored first.
+// Computes all passes of a channel. The inner loop computes the positions of a pass and has `length` instructions. The
+// outer loop has `body` = `length` + 4 instructions. If a pass has two rows, stores the output of the lower row first.
 #define FILTER(length, body, outputs, ...)                                                                             \
   __asm__ volatile(                                                                                                    \
       "lw t0, %[passes]\n\t" XPULP_LOOP("x1", "t0", body) XPULP_LOOP("x0", "%[n]", length)                             \
@@ -203,12 +203,13 @@ static void fill_columns(uint32_t* to, int32_t count, uint32_t value) {
 static inline __attribute__((always_inline)) void convolve(const layer_step_t* step, layer_share_t share, int scaling) {
   const layer_t* layer = step->layer;
   const int is_pair = layer->stride_rows == 1 && layer->step_y == 1;
-  const int32_t each = 1 + is_pair;  // rows of a pass
+  const int32_t each = 1 + is_pair;  // output rows of a pass
   const int32_t passes = (step->rows + is_pair) / each;
   const int32_t strips = (passes + layer->strip - 1) / layer->strip;
   const int32_t pitch = layer->out_columns * step->channels;
   const int32_t width = layer->outside_left + layer->in_columns + layer->outside_right;
-  // The buffer: a constant word, and the columns of each pass. The columns outside the input never change.
+  // The core's buffer contains a word for rows outside the input, and the columns of each pass. The columns outside the
+  // input are the same for all units of work, so they are written only once.
   uint32_t* outside = (uint32_t*)(void*)step->gathered;
   uint32_t* columns = outside + 1;
   *outside = layer->outside * UINT32_C(0x01010101);
@@ -227,7 +228,7 @@ static inline __attribute__((always_inline)) void convolve(const layer_step_t* s
       const rows_t rows = rows_of(step, group, y, is_pair && y + 1 < step->rows ? 4 : 3, outside);
       turn_columns(&rows, layer->in_columns, inside);
     }
-    // If the number of rows is odd, the last pass computes a row that is not used.
+    // If passes have two rows, but the number of output rows is odd, the lower row of the last pass is not used.
     uint8_t* to = step->out + first * each * pitch + group->out;
     places_t places = {to,
                        is_pair ? to + pitch : 0,

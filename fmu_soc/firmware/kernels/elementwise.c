@@ -27,7 +27,7 @@ static inline __attribute__((always_inline)) int32_t sum_of(const layer_t* layer
 #define ADD_PRODUCT(a, b) XPULP_MAC(a, b, "%[f1]")
 #define SHIFT_AND_LIMIT(a) XPULP_ADDNR(a, "%[addend]", "%[shift]") XPULP_CLIPUR(a, a, "%[high]")
 
-// Adds `fours` times four bytes. The lower bound must be 0.
+// Computes the sums of the bytes of `a` and `b`, `fours` times four bytes. `layer->low` must be 0.
 static inline __attribute__((always_inline)) void add_from_zero(const layer_t* layer, const uint8_t* a,
                                                                 const uint8_t* b, uint8_t* to, int32_t fours) {
   __asm__ volatile(
@@ -43,7 +43,8 @@ static inline __attribute__((always_inline)) void add_from_zero(const layer_t* l
       : "t0", "t1", "t2", "t3", "t4", "t5", "a6", "a7", "memory");
 }
 
-// Computes four bytes at a time. Returns the number of bytes.
+// Computes the sums of the bytes of `a` and `b`, four at a time. Returns the number of computed bytes, a multiple of
+// four.
 static inline __attribute__((always_inline)) int32_t add_fours(const layer_t* layer, const uint8_t* a, const uint8_t* b,
                                                                uint8_t* to, int32_t count) {
   if (layer->low == 0 && count > 3) {

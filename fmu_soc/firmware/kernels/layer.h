@@ -83,7 +83,7 @@ typedef struct {
   uint8_t sliced;      // 1: a block only needs the input of its own channels
   uint8_t pool;        // a convolution's output is pooled: maximum of pool x pool
   uint8_t outer_rows;  // 1: the input in L1 has rows outside the input. 0: the kernel provides their values
-  uint8_t early;       // 1: the previous layer leaves the first block's data free in L1, to be fetched before it ends
+  uint8_t early;       // 1: the first block's data are fetched while the cores compute the previous layer
   int32_t in_rows, in_columns, in_channels;
   int32_t out_rows, out_columns, out_channels;  // after pooling
   int32_t kernel_rows, kernel_columns;          // including dilation
@@ -107,11 +107,11 @@ typedef struct {
   // between runs, gather_row_step between rows [bytes].
   int32_t gather_rows, gather_runs, gather_bytes;
   int32_t gather_step, gather_row_step;
-  int32_t gathered_bytes;   // of a patch, whole words
-  int32_t gathered_stride;  // of a core's part of l1_gathered; copies may exceed a patch
+  int32_t gathered_bytes;   // of a patch, rounded up to whole words
+  int32_t gathered_stride;  // bytes of a core's part of l1_gathered; a copy may write past the end of its patch
   uint32_t l1_gathered;
-  int32_t strip;  // depthwise, 3 x 3: passes of a unit. A pass is one output row, or two with a stride of one row
-  // Add, multiply
+  int32_t strip;  // depthwise, 3 x 3: passes of a unit of work. A pass computes one or two output rows
+  // For the kinds that add and multiply:
   int32_t factors[2];
   int32_t zeros[2];
   int32_t addend;

@@ -41,7 +41,8 @@ typedef struct {
   int needs_in, needs_data;
 } cursor_t;
 
-// Sets the first step. An initialiser would be copied from L2.
+// Sets the cursor to the first step. Assigns the members one by one, because the compiler would copy an initialiser
+// from L2.
 static void begin(cursor_t* at, int needs_data) {
   at->block = at->tile = 0;
   at->in = at->data = at->out = 0;
@@ -222,18 +223,20 @@ static void fill_sides(const layer_network_t* n, const layer_t* layer, layer_sha
   }
 }
 
-// True if the data of a layer's first block are fetched during the previous layer. If weights are in L3, those of the
-// next layer may not be in L2 yet.
+// True if the data of a layer's first block are fetched during the previous layer. If weights are in L3, returns false,
+// because those of the next layer may not be in L2 yet.
 static int is_early(const layer_network_t* n, const layer_t* layer) {
   return layer->early && n->l3 == 0;
 }
 
-// Returns the description of a layer in L1, which the cores read in one cycle.
+// Returns the place in L1 for a copy of a layer's description, which the cores read in one cycle. There are two places,
+// so that the next layer's description can be fetched.
 static layer_t* layer_in_l1(const layer_network_t* n, int32_t number) {
   return (layer_t*)(void*)n->l1 + number % 2;
 }
 
-// Fetches the description of a layer. -1: there is no next layer.
+// Begins to copy the description of layer `number` to L1. If `number` is -1, there is no next layer, and the function
+// has no effect.
 static void load_layer(const layer_network_t* n, int32_t number, copies_t* copies) {
   if (number < 0) {
     return;
@@ -242,7 +245,8 @@ static void load_layer(const layer_network_t* n, int32_t number, copies_t* copie
   note(copies, machine_copy_in(layer_in_l1(n, number), &n->layers[number], sizeof(layer_t)));
 }
 
-// Fetches the data of the first block of layer `number`, whose description is in L1. -1: there is no next layer.
+// If is_early() is true for layer `number`, begins to fetch the data of its first block. Its description must be in L1.
+// If `number` is -1, there is no next layer, and the function has no effect.
 static void load_ahead(const layer_network_t* n, int32_t number, copies_t* copies) {
   const layer_t* next = layer_in_l1(n, number);
   if (number >= 0 && is_early(n, next)) {
@@ -370,7 +374,8 @@ void layers_run(const layer_network_t* network, const uint8_t* picture, int32_t 
       }
       run_direct(n, layer, &t, picture, share);
     }
-    // The output and the next layer's description have arrived, and all cores have finished the layer.
+    // Waits until all copies have ended, such as those of the output and of the next layer's description, and until all
+    // cores have finished the layer.
     if (share.core == 0) {
       wait_for_all(&copies);
     }

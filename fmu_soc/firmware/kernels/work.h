@@ -36,7 +36,7 @@ static inline __attribute__((always_inline)) int32_t smaller(int32_t a, int32_t 
 #endif
 }
 
-// Consecutive units of work of a core.
+// The units of work of a core: from `begin` to `end` - 1.
 typedef struct {
   int32_t begin, end;
 } range_t;
@@ -49,7 +49,7 @@ static inline __attribute__((always_inline)) int32_t larger(int32_t a, int32_t b
 #endif
 }
 
-// Returns a core's part of `units` units.
+// Divides `units` units of work evenly among the cores. Returns the part of the core `share.core`.
 static inline __attribute__((always_inline)) range_t range_of(int32_t units, layer_share_t share) {
   const range_t range = {units * share.core / share.cores, units * (share.core + 1) / share.cores};
   return range;

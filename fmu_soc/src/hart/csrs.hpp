@@ -35,10 +35,10 @@ struct CsrState {
   bool wait_traps = false;           // mstatus.TW
   std::uint64_t cycle_base = 0;      // mcycle = counter - base; if mcycle is inhibited, mcycle = base
   std::uint64_t instret_base = 0;
-  std::uint32_t handlers = 0;                // entry of the handlers: mtvec, or the value written to it
+  std::uint32_t handlers = 0;                // address of the trap handlers: mtvec, or the value that was written to it
   std::uint32_t call_handler = 0;            // handler of an ecall; derived from `handlers`
   std::uint32_t cause_kept_by_return = ~0U;  // bits of mcause that mret keeps; constant
-  EventCounts pccr_base{};                   // of RI5CY's event counters
+  EventCounts pccr_base{};                   // bases of RI5CY's event counters: see event_counter()
 };
 
 /// Describes how translated code accesses a CSR in machine mode.

@@ -78,7 +78,8 @@ void InstructionCache::cover(const Memory& memory) {
     number += covered.count;
     memories_.push_back(covered);
   }
-  // Translated code reads the bytes of a whole group of lines at once.
+  // Translated code reads the presence bytes of a whole group of lines at once. Therefore the array has kMostGrouped
+  // further bytes.
   const std::size_t count = number + kMostGrouped;
   present_ = std::make_unique_for_overwrite<std::uint8_t[]>(std::max(count, kLeastPresenceBytes));
   std::fill_n(present_.get(), count, std::uint8_t{0});

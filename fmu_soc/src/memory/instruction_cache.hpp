@@ -107,7 +107,7 @@ class InstructionCache {
 
   void visit(state::Visitor& v);
 
-  static constexpr std::uint32_t kNoLine = ~std::uint32_t{0};  // in a state: marks an empty entry; no code is there
+  static constexpr std::uint32_t kNoLine = ~std::uint32_t{0};  // marks an empty entry in a saved state
   /// Maximum number of lines that translated code fetches together.
   static constexpr std::uint32_t kMostGrouped = 16;
   /// Number of refills after which the values of the shift register repeat.
@@ -117,17 +117,17 @@ class InstructionCache {
   /// numbers from 1 on. Consecutive lines of a memory have consecutive numbers.
   struct State {
     std::uint64_t refills = 0;
-    std::uint32_t shifts = 0;  // of the shift register, modulo kShiftPeriod
+    std::uint32_t shifts = 0;  // number of shifts of the shift register, modulo kShiftPeriod
     /// Indexed by `shifts`: the offset [bytes] from an entry in way 0 to the entry in the way that the next refill
     /// replaces. The array repeats its first values at the end, so that the offsets of a group's refills are
     /// consecutive.
     std::array<std::uint32_t, kShiftPeriod + kMostGrouped> way_offsets{};
     // The group of lines that translated code has refilled last. Bit i belongs to line i of the group.
-    std::uint64_t group_when = 0;                             // counts of translated code at that time
+    std::uint64_t group_when = 0;                             // the counts in xmm15 at that time
     std::uint32_t group = 0;                                  // number of its first line
-    std::uint32_t group_refilled = 0;                         // lines that were absent
+    std::uint32_t group_refilled = 0;                         // bits of the lines that were absent
     std::uint32_t group_shifts = 0;                           // `shifts` before the group
-    std::array<std::uint32_t, kMostGrouped> group_evicted{};  // lines that were replaced
+    std::array<std::uint32_t, kMostGrouped> group_evicted{};  // numbers of the lines that were replaced
   };
   State& state() { return state_; }
   const State& state() const { return state_; }
@@ -143,7 +143,7 @@ class InstructionCache {
   const std::uint32_t* first_entry(std::uint32_t line) const { return &entries_[line & set_mask_]; }
 
  private:
-  static constexpr std::uint32_t kNone = 0;  // number of no line; its presence byte has no meaning
+  static constexpr std::uint32_t kNone = 0;  // in place of a line's number: no line; its presence byte has no meaning
   /// Bit that is set in the number of each line as long as cover() was not called.
   static constexpr std::uint32_t kNotCovered = 1U << 31;
   /// The way to refill is in consecutive bits of the shift register. This is the number of the lowest of them.

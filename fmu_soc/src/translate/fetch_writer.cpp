@@ -89,8 +89,8 @@ void FetchWriter::emit_first(const Block& block, const Instruction* first) {
   for (auto each = line; each <= last; ++each) emit_group({each, 1}, block.is_often_absent());
 }
 
-/// Writes code that leaves to the interpreter if a line of the instruction is absent, because the cache has several
-/// users. The caller has already checked the lines of the block's first instruction.
+/// For a cache with several users: writes code that leaves to the interpreter if a line of the instruction is absent.
+/// The caller has already checked the lines of the block's first instruction.
 void FetchWriter::emit_shared(const Instruction* at) {
   if (at->index == 0) return;
   const auto& cache = *a_.blocks.fetched();
@@ -160,8 +160,8 @@ void FetchWriter::jump_on_presence(const Group& group, bool present, const Label
   present ? a_.je(target) : a_.jne(target, kNear);
 }
 
-/// Writes code that fetches absent lines of the group: line i if bit i of `bits` is set. The code changes rax, rcx and
-/// rdx.
+/// Writes code that fetches the absent lines of the group, except each line i whose bit i of `bits` is 0. The code
+/// changes rax, rcx and rdx.
 void FetchWriter::emit_refill(const Group& group, std::uint32_t bits) {
   MEBOTS_ASSERT(a_.stubs.fetch != nullptr && a_.stubs.fetch_group != nullptr);
   const auto& cache = *a_.blocks.fetched();

@@ -43,7 +43,7 @@ class FetchWriter {
   };
   struct LaterLines {
     Group group;
-    std::uint32_t bits = 0;  // of the lines, from the group's first line on
+    std::uint32_t bits = 0;  // bit i is set for line i of the group
   };
 
   static std::uint32_t bits_of(const Group& group) { return (std::uint32_t{1} << group.count) - 1; }
@@ -56,7 +56,7 @@ class FetchWriter {
   Xbyak::RegExp place_of(const std::uint8_t* presence);
 
   Assembler& a_;
-  std::uint64_t fetched_end_ = 0;  // the line after those that the present block has fetched
+  std::uint64_t fetched_end_ = 0;  // the line after the last line that the present block fetches
   /// For each instruction: the lines of its group that only later instructions need.
   std::unordered_map<const Instruction*, LaterLines> later_lines_;
 };

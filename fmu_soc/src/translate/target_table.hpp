@@ -19,7 +19,7 @@ class TargetTable {
 
   struct Target {
     std::uint32_t pc;
-    std::uint32_t from_jumped_to_plain;  // distance of two entries: see Entry
+    std::uint32_t from_jumped_to_plain;  // bytes between the two entries of the code: see Entry
     const std::uint8_t* jumped;
   };
 

@@ -89,8 +89,8 @@ bool is_hidden(const Mover& mover, const Pose& pose) {
 }
 
 /// Returns the camera's pose in the coordinates of a mover's faces. For a drone or robot, this is the body's frame. For
-/// an object on a path, it is the world in which the object is at its position in the scene. If the mover is hidden,
-/// returns `pose` unchanged.
+/// an object on a path, these are world coordinates in which the object has not moved from its position in the scene.
+/// If the mover is hidden, returns `pose` unchanged.
 Pose seen_from(const Mover& mover, const Pose& pose) {
   if (is_hidden(mover, pose)) return pose;
   if (mover.body != Mover::kNoBody) {

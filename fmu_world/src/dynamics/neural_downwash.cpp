@@ -12,7 +12,7 @@
 namespace mebots::world {
 namespace {
 
-/// Returns the largest number of inputs or outputs of a layer.
+/// Returns the largest number of inputs or outputs of any layer.
 std::size_t width_of(const scene::DownwashNetworks& networks) {
   std::size_t width = 0;
   for (const auto* network : {&networks.phi, &networks.phi_ground, &networks.rho}) {
@@ -66,8 +66,8 @@ double NeuralDownwash::rho_of(std::span<const double> features) {
   return outputs_of(networks_.rho, features)[0];
 }
 
-/// Adds the columns of a layer's matrix one after the other. So the order of the additions does not depend on how the
-/// compiler vectorizes the inner loop.
+/// In each layer, adds the columns of the matrix one after the other. Therefore the order of the additions does not
+/// depend on how the compiler vectorizes the inner loop.
 std::span<const double> NeuralDownwash::outputs_of(const scene::Network& network, std::span<const double> inputs) {
   MEBOTS_ASSERT(inputs.size() == network.front().inputs);
   std::copy(inputs.begin(), inputs.end(), values_.begin());

@@ -9,20 +9,20 @@
 
 namespace mebots::world {
 
-/// Computes the vertical force of other drones' air on a drone with networks. For each drone, call begin(), then add()
+/// Predicts with networks the vertical force of other drones' air on a drone. For each drone, call begin(), then add()
 /// for each other drone, then force_W_n().
 ///
-/// Sums run in a fixed order, so the force has the same bits for the same states in the same order. No function
-/// allocates memory.
+/// All sums have a fixed order. Therefore equal states that are added in the same order give the same bits. Only the
+/// constructor allocates memory.
 class NeuralDownwash {
  public:
   explicit NeuralDownwash(scene::DownwashNetworks networks);
 
   void begin(const RigidState& self);
-  /// Adds a drone, if it is inside the limits of the networks.
+  /// Adds another drone. Ignores it if it is not inside the limits of the networks.
   void add(const RigidState& other);
-  /// Returns the force [N] along the world's z axis. If begin() was called without add() of a neighbour, returns the
-  /// networks' prediction for a drone alone, or 0 if the networks exclude it.
+  /// Returns the force [N] along the world's z axis. If DownwashNetworks::include_alone is false, subtracts the
+  /// prediction for the drone without neighbours. Then a drone without neighbours has the force 0.
   double force_W_n();
 
  private:
@@ -34,7 +34,7 @@ class NeuralDownwash {
   RigidState self_;
   bool has_neighbours_ = false;
   std::vector<double> alone_;     // features of a drone without neighbours
-  std::vector<double> features_;  // those and the features of the neighbours
+  std::vector<double> features_;  // sum of `alone_` and the features of all neighbours
   std::vector<double> values_;    // inputs and outputs of a layer
   std::vector<double> next_;
 };

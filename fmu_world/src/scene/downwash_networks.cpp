@@ -54,7 +54,7 @@ NetworkLayer read_layer(const Node& node) {
   return layer;
 }
 
-/// Reads layers, of which each has as many inputs as the layer before it has outputs.
+/// Reads the layers of a network. Fails if a layer does not have as many inputs as the layer before it has outputs.
 Network read_network(const Node& node) {
   const auto noted = node.noted();
   Network network = data::list_of(&read_layer)(node);

@@ -26,20 +26,21 @@ using Network = std::vector<NetworkLayer>;
 ///
 ///   f_i = force_per_output * rho(phi_ground(-z_i, -v_i) + sum phi(p_j - p_i, v_j - v_i))
 ///
-/// Positions and velocities are in the world frame, in m and m/s. The files do not come with MEbots.
+/// Positions and velocities are in the world frame, in m and m/s. MEbots contains no trained networks.
 struct DownwashNetworks {
   static constexpr double kNoLimit = std::numeric_limits<double>::infinity();
 
   std::string name;
   double force_per_output_n = 0.0;
-  /// False: the prediction for a drone without neighbours is subtracted, because it is no effect of other drones.
+  /// If false, the prediction for a drone without neighbours is subtracted from f_i, because it is no effect of other
+  /// drones.
   bool include_alone = false;
   /// Relative position x, y, z [m] and relative velocity x, y, z [m/s]. A drone is a neighbour if the absolute value of
   /// each component is less than its limit.
   std::vector<double> neighbour_limits = std::vector<double>(6, kNoLimit);
   double height_limit_m = kNoLimit;  ///< at greater heights, phi_ground gets this height
   Network phi;                       ///< six inputs
-  Network phi_ground;                ///< four inputs; no layers: no such term
+  Network phi_ground;                ///< four inputs; if it has no layers, f_i lacks its term
   Network rho;                       ///< one output
 };
 

@@ -88,7 +88,7 @@ TEST(InstructionCache, PrefersInvalidWaysIfTheBoardRequestsIt) {
   for (std::uint32_t line = 1; line <= 4; ++line) cache.fetch(line, 0);
   for (std::uint32_t line = 1; line <= 4; ++line) EXPECT_TRUE(cache.holds(line)) << line;
   EXPECT_EQ(cache.shift_register(), 0U) << "no refill yet";
-  cache.fetch(5, 0);  // bits 2 and 1 of the value 1
+  cache.fetch(5, 0);  // bits 2 and 1 of the shift register's value 1 select way 0
   EXPECT_FALSE(cache.holds(1));
   EXPECT_TRUE(cache.holds(5));
   cache.flush();

@@ -221,8 +221,8 @@ done:
 }
 
 TEST(Translation, FetchesNoLineTooEarlyWhenItLeavesABlock) {
-  // Each block has many lines, and is left in its middle: at loads from two clocks, and at stores into code. The clocks
-  // show the cycle. After the loop, another part of the code evicts lines of the loop.
+  // Each block has many cache lines, and execution leaves it in its middle: at loads from two clocks, which return the
+  // cycle, and at stores into code. After the loop, another part of the code evicts lines of the loop.
   const std::string straight = "    .rept 25\n    addi a2, a2, 3\n    .endr\n";
   const auto program = assemble(R"(
     .option norvc

@@ -21,8 +21,8 @@ using scene::DownwashNetworks;
 using testing::AllOf;
 using testing::HasSubstr;
 
-/// phi has two outputs, x + 2 y + 3 z + 4 vx + 5 vy + 6 vz and -1, of which rho uses the first, with a ReLU:
-/// f = 1 mN * (0.5 + max(sum - height, 0)).
+/// The first output of phi is x + 2 y + 3 z + 4 vx + 5 vy + 6 vz, and that of phi_ground is minus the height. rho uses
+/// only their sum, with a ReLU: f = 1 mN * (0.5 + max(sum, 0)).
 DownwashNetworks small_networks() {
   DownwashNetworks networks;
   networks.force_per_output_n = 1e-3;
@@ -50,8 +50,8 @@ TEST(NeuralDownwash, IsTheForcePerOutputTimesRhoOfTheSumOfFeatures) {
   auto networks = small_networks();
   networks.include_alone = true;
   const auto self = state_of({0.0, 0.0, 1.0}, {0.1, 0.0, 0.0});
-  const auto first = state_of({1.0, 0.0, 2.0}, {0.1, 1.0, 0.0});   // 1 + 3 + 5 = 9
-  const auto second = state_of({0.0, 1.0, 1.0}, {0.1, 0.0, 1.0});  // 2 + 6 = 8
+  const auto first = state_of({1.0, 0.0, 2.0}, {0.1, 1.0, 0.0});   // phi is 1 + 3 + 5 = 9
+  const auto second = state_of({0.0, 1.0, 1.0}, {0.1, 0.0, 1.0});  // phi is 2 + 6 = 8
   EXPECT_NEAR(force_n(networks, self, {first, second}), 1e-3 * (0.5 + 9.0 + 8.0 - 1.0), 1e-15);
   EXPECT_NEAR(force_n(networks, self, {}), 1e-3 * 0.5, 1e-15);  // max(-1, 0) is 0
 }
@@ -104,7 +104,8 @@ TEST(NeuralDownwash, PushesADroneAlongTheVerticalOfTheWorld) {
   };
   const auto without = fall(0.0, 0.0);
   const auto with = fall(2.0, 0.0);
-  // The other drone is (0.5, 0, 1) m away: 3.5. The drone at 5.0145 m has max(3.5 - 5.0145, 0) - 0 = 0.
+  // Relative to the first drone, the second drone is at (0.5, 0, 1) m, so phi is 3.5. The first drone is 5.0145 m high,
+  // so its force is max(3.5 - 5.0145, 0) - 0 = 0.
   EXPECT_EQ(with[0].outputs.drone_velocity_m_per_s, without[0].outputs.drone_velocity_m_per_s);
   auto networks = small_networks();
   networks.phi_ground.clear();

@@ -107,8 +107,8 @@ std::pair<double, double> readings(const RigidState& state) {
 
 TEST(RangeCone, ATiltWithinTheFieldOfViewChangesLittle) {
   // The tilt of 0.2 rad is less than half the cone's angle, 0.2356 rad, so the cone contains the direction straight
-  // down. The nearest ray may miss this direction by up to half the angle between two rays, which increases the
-  // distance by 0.3 %.
+  // down. The nearest ray misses this direction by 0.2356 - 0.2 = 0.036 rad, which increases the distance by less than
+  // 0.1 %.
   EXPECT_NEAR(readings(tilted(1.0, 0.2)).first, 1.0, 0.004);
   // At larger angles, the nearest ray is at the edge of the cone.
   EXPECT_NEAR(readings(tilted(1.0, 0.5)).first, 1.0 / std::cos(0.5 - 0.2356), 0.002);

@@ -109,7 +109,7 @@ TEST_P(StepResponse, WindIsHeldAgainst) {
 TEST_P(StepResponse, ABusThatSagsMoreAndMoreIsMadeUpFor) {
   // The thrust decreases by 0.2 % per second, about twenty times as fast as by the discharge of a cell. With such a
   // ramp, the altitude has the steady error g rate / sag / (k_i k_altitude) = 0.0021 g / 2.4. Here `rate` is the 0.2 %
-  // per second, and k_i k_altitude are the gains of the integrator and of the altitude.
+  // per second, `sag` is about 0.93, and k_i and k_altitude are the gains of the integrator and of the altitude.
   const double steady_m = 0.002 / 0.93 * kGravity_m_per_s2 / 2.4;
   double lowest_m = 1.0;
   for (int i = 0; i < 1000; ++i) {
@@ -194,8 +194,8 @@ TEST(Stabiliser, ComesBackFromATiltOf45Degrees) {
   EXPECT_LT(state.v_WB_m_per_s.norm(), 0.02);
 }
 
-/// Returns the greatest of the four rotor commands at each of the first 1200 milliseconds of a climb by 1 m. The drone
-/// stays at rest.
+/// Returns the greatest of the four rotor commands at each of the first 1200 milliseconds after the start. The goal is
+/// 1 m above `height_m`, but the drone is held at rest at `height_m`.
 std::vector<double> commands_of_a_start(const scene::Drone& drone, double height_m) {
   Stabiliser stabiliser(drone);
   stabiliser.set_mass(0.04, drone.inertia_kg_m2);

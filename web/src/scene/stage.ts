@@ -124,7 +124,8 @@ export class Stage {
       // From the south, a row of bodies along y would be small.
       const offset = this.hasManyBodies && size.y > 2 * size.x ? new THREE.Vector3(-0.75, -0.2, 0.45) : new THREE.Vector3(-0.35, -0.85, 0.62);
       this.camera.position.copy(middle).add(offset.multiplyScalar(span));
-      // The list of bodies is at the bottom. A target below the ground would hide the ground.
+      // The list of bodies covers the bottom of the picture. Therefore the camera looks at a lower point, but not at a
+      // point below the ground.
       if (this.hasManyBodies) this.controls.target.z = Math.max(middle.z - 0.08 * span, Math.min(middle.z, 0.05));
     } else if (look === "top") {
       this.controls.target.copy(middle);
@@ -200,7 +201,8 @@ export class Stage {
     return tools;
   }
 
-  /** Returns the numbers of many bodies whose names differ in their numbers only, such as drone[3]. Otherwise returns null. */
+  /** Returns the numbers in the names of more than six bodies, if the names differ only in their numbers, such as
+   * drone[3]. Otherwise returns null. */
   private numbersOfNames(): string[] | null {
     const parts = this.flights.map(({ name }) => /^(.*)\[(\d+)\]$/.exec(name));
     const fits = this.flights.length > 6 && parts.every((part) => part !== null && part[1] === parts[0]![1]);

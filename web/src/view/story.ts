@@ -7,8 +7,8 @@ import { element } from "../dom";
 import { clockText, cyclesPerInstruction } from "./chip";
 import { mainValues } from "./statistics";
 
-/** Finds a recorded variable whose name has this ending. Returns the first time at which it is not 0. If it is always
- * 0, or not 0 at the start, returns null. */
+/** Finds a recorded variable whose name has this ending. Returns the first time at which it is not 0. If no such
+ * variable exists, or if it is always 0 or not 0 at the start, returns null. */
 function firstTrue(run: Run, ending: string): number | null {
   const name = run.variables.find((candidate) => candidate.endsWith(ending));
   const values = name === undefined ? undefined : run.values(name);

@@ -92,19 +92,21 @@ export function nextSpeed(speed: number, direction: number): number {
   return SPEEDS[Math.min(Math.max(place + direction, 0), SPEEDS.length - 1)];
 }
 
-/** Splits the text of an event of one of several bodies, such as "drone[3]: t = 0.1 s: take-off", into its name and the event. */
+/** Splits the text of an event, such as "drone[3]: t = 0.1 s: take-off", into the body's name and the event. Without a
+ * name, `who` is empty. */
 function partsOf(message: Message): { who: string; what: string } {
   const [, who, rest] = /^(\w+\[\d+\]): (.*)$/s.exec(message.text) ?? [null, "", message.text];
   return { who, what: shortText({ ...message, text: rest }).split(/[:;,]/)[0] };
 }
 
-/** Bodies have the same event if it has the same text at the same time. */
+/** Returns a key that is equal for events of several bodies with the same text at the same time. For an event without a
+ * body, returns an empty text. */
 function keyOf(message: Message): string {
   const { who, what } = partsOf(message);
   return who === "" ? "" : `${message.time} ${what}`;
 }
 
-/** `count`: number of bodies with this event. */
+/** Creates the mark of an event that `count` bodies have. */
 function makeMark(message: Message, count: number, clock: Clock): HTMLElement {
   const { who, what } = partsOf(message);
   const words = who === "" ? what : count > 1 ? `${count} \u00d7 ${what}` : `${who}: ${what}`;

@@ -16,7 +16,7 @@ from mebots.deploy.graph import Tensor
 from mebots.deploy.layers import Layer, Network
 from mebots.deploy.plan import Part, Plan, Steps, Stream
 
-L1_RESERVED = 640  # LAYER_L1_RESERVED
+L1_RESERVED = 640  # LAYER_L1_RESERVED in fmu_soc/firmware/kernels/layer.h
 _PICTURE = 0xFFFFFFFF
 _KERNELS = {"max_pool": "layer_max_pool", "average_pool": "layer_average_pool", "add": "layer_add", "multiply": "layer_multiply", "table": "layer_table"}
 

@@ -96,7 +96,8 @@ def _equalise_pair(pair: _Pair) -> np.ndarray:
     rows = np.abs(first.weight).reshape(channels, -1).max(axis=1)
     views = [view for view in map(_columns, pair.seconds) if view is not None]
     columns = np.max([np.abs(one).reshape(channels, -1).max(axis=1) for one in views], axis=0)
-    # The output of a channel with negligible weights is only its bias. A tiny divisor would make this bias huge.
+    # If the weights of a channel are negligible, its output is only its bias, and a tiny divisor would make this bias huge. Therefore its factor is
+    # 1.
     used = (rows > _NEGLIGIBLE * rows.max()) & (columns > _NEGLIGIBLE * columns.max())
     factors = np.where(used, np.sqrt(np.where(used, rows, 1.0) / np.where(used, columns, 1.0)), 1.0)
     first.weight = first.weight / factors.reshape(-1, 1, 1, 1)

@@ -62,7 +62,7 @@ class Tensor:
 
 
 def no_values() -> np.ndarray:
-    """Returns an array without values, for fields that only some kinds of nodes and layers have."""
+    """Returns an empty array, the default of fields that only some kinds of nodes and layers use."""
     return np.empty(0)
 
 
@@ -75,7 +75,7 @@ class Node:
     output: Tensor
     weight: np.ndarray = dataclasses.field(default_factory=no_values)
     bias: np.ndarray = dataclasses.field(default_factory=no_values)
-    weight_steps: np.ndarray | None = None  # scale of weights that the model stores as bytes, for all or per output channel
+    weight_steps: np.ndarray | None = None  # scales of weights that the model stores as bytes: one for all, or one per output channel
     kernel: tuple[int, int] = (1, 1)
     strides: tuple[int, int] = (1, 1)
     pads: tuple[int, int, int, int] = (0, 0, 0, 0)  # top, left, bottom, right

@@ -32,7 +32,7 @@ class Layer:
     pool: int = 1
     weight: np.ndarray = dataclasses.field(default_factory=no_values)  # int8; dimensions: out, in / groups, rows, columns
     bias: np.ndarray = dataclasses.field(default_factory=no_values)  # int32; includes the zero of the input
-    requantise: Requantisation | None = None  # None: the output has the sums, or no sums are computed
+    requantise: Requantisation | None = None  # None: the output contains the sums, or the layer computes no sums
     counts_pads: bool = True
     factors: tuple[int, int] = (0, 0)
     zeros: tuple[int, int] = (0, 0)
@@ -55,7 +55,7 @@ class Layer:
 
     @property
     def requantisation(self) -> Requantisation:
-        """Returns the conversion of sums to bytes, which the layer must have."""
+        """Returns the conversion of sums to bytes. The layer must have one."""
         assert self.requantise is not None
         return self.requantise
 

@@ -98,12 +98,12 @@ def plan(network: Network, memory: Memory, l1_reserved: int) -> Plan:
 def _all_steps(layers: list[Layer], available: int, board: str) -> tuple[list[Steps | None], int]:
     """Returns the steps of all layers, and the bytes of L1 that they need.
 
-    While a layer is computed, the DMA fetches the data of the next layer's first part, if L1 has space for both. Therefore, the
-    buffers of layers with even numbers begin at the start of L1, with these data. Those of layers with odd numbers end at
-    the end of L1, with these data.
+    While the cores compute a layer, the DMA fetches the data of the next layer's first part, if L1 has space for both. Therefore
+    layers with even numbers use the start of L1, and these data are their first buffer. Layers with odd numbers use the end of
+    L1, and these data are their last buffer.
     """
     chosen: list[Steps | None] = []
-    following = 0  # bytes of the next layer's data
+    following = 0  # bytes of the next layer's first data
     for number in reversed(range(len(layers))):
         layer = layers[number]
         spare = available - _least_bytes(layers[number - 1]) if number > 0 else 0
@@ -175,12 +175,12 @@ def is_depthwise(layer: Layer) -> bool:
 
 
 def is_depthwise_3x3(layer: Layer) -> bool:
-    """True if a depthwise layer has a kernel for 3 x 3 places. Each core copies columns of the input to its buffer."""
+    """True if depthwise_3x3.c computes the layer. Each core copies columns of the input to its buffer, so a row must fit into the buffer."""
     return is_depthwise(layer) and layer.kernel == (3, 3) and layer.dilations[1] == 1 and _turned_columns(layer) <= _MOST_TURNED_COLUMNS
 
 
-_MOST_TURNED_COLUMNS = 200  # buffers of 3 KiB for each core
-_STRIP_COLUMNS = 64  # buffers of 1 KiB, if several passes fit into them
+_MOST_TURNED_COLUMNS = 200  # about 3 KiB in the buffer of each core
+_STRIP_COLUMNS = 64  # about 1 KiB in the buffer of each core, if it contains several passes
 
 
 def _turned_columns(layer: Layer) -> int:
@@ -188,23 +188,23 @@ def _turned_columns(layer: Layer) -> int:
 
 
 def rows_per_pass(layer: Layer) -> int:
-    """Returns the output rows that a depthwise kernel for 3 x 3 places computes together."""
+    """Returns the number of output rows that depthwise_3x3.c computes together, in a pass."""
     return 2 if layer.strides[0] == layer.dilations[0] == 1 else 1
 
 
 def _most_passes(layer: Layer) -> int:
-    """Returns the passes that fit into a core's buffer."""
+    """Returns the number of passes whose columns fit into a core's buffer, at least 1."""
     return max(1, min(_STRIP_COLUMNS // _turned_columns(layer), math.ceil(layer.output.rows / rows_per_pass(layer))))
 
 
 def strip_passes(layer: Layer, rows: int, groups: int) -> int:
-    """Returns the passes of a unit of work that take the fewest cycles for a tile of ``rows`` rows and ``groups`` groups of channels."""
+    """Returns the number of passes per unit of work with which a tile of ``rows`` rows and ``groups`` groups of channels takes the fewest cycles."""
     passes = math.ceil(rows / rows_per_pass(layer))
     return min(range(1, _most_passes(layer) + 1), key=lambda strip: (_strip_cycles(layer, passes, groups, strip), -strip))
 
 
 def _strip_cycles(layer: Layer, passes: int, groups: int, strip: int) -> float:
-    """Returns the cycles of a core for a tile."""
+    """Returns the estimated cycles of a tile, if a unit of work has ``strip`` passes."""
     filtered = (17 if rows_per_pass(layer) == 2 else 10) * layer.output.columns + 10
     each = 18 * layer.inputs[0].columns + 70 + GROUP * filtered
     units = groups * math.ceil(passes / strip)
@@ -247,7 +247,7 @@ def core_bytes(layer: Layer) -> int:
         return 16 * fours(layer)
     if is_dense(layer):  # four partial sums
         return 4 * GROUP
-    return 4 * patch_copy_bytes(layer) + 8 if gathers(layer) else 0  # four patches; copies may exceed a patch
+    return 4 * patch_copy_bytes(layer) + 8 if gathers(layer) else 0  # four patches; a copy may write past the end of its patch
 
 
 def gathers(layer: Layer) -> bool:
@@ -260,14 +260,14 @@ def gathers(layer: Layer) -> bool:
     if runs == 1:
         return False
     in_place = runs * (_CYCLES_PER_WORD * words + _CYCLES_PER_RUN)
-    copied = 4 * runs * (2 * words if run <= 16 else 3 * words + 12)  # of four patches
+    copied = 4 * runs * (2 * words if run <= 16 else 3 * words + 12)  # cycles to copy four patches
     gathered = _CYCLES_PER_WORD * math.ceil(patch_bytes(layer) / 4) + _CYCLES_PER_RUN
     return columns > 1 or gathered + copied / math.ceil(layer.weight.shape[0] / GROUP) < in_place
 
 
 _CYCLES_PER_WORD = 24  # of the inner loop for four places and four channels
 _CYCLES_PER_RUN = 9
-_CYCLES_PER_DENSE_WORD = 9  # of the inner loop for one place and four channels
+_CYCLES_PER_DENSE_WORD = 9  # of the inner loop for one output position and four channels
 
 
 def is_in_blocks(layer: Layer) -> bool:
@@ -276,7 +276,7 @@ def is_in_blocks(layer: Layer) -> bool:
 
 
 def is_dense(layer: Layer) -> bool:
-    """True if the layer has one output position with a contiguous patch. All cores share the products of four channels."""
+    """True if dense.c computes the layer: it has a single output position, whose patch is contiguous. The cores share all products evenly."""
     one_place = layer.output.rows == layer.output.columns == layer.pool == 1
     return is_in_blocks(layer) and one_place and _patch_runs(layer)[:2] == (1, 1)
 
@@ -389,7 +389,7 @@ def _steps(layer: Layer, available: int, board: str, spare: int, following: int)
     """Returns the division of the layer into steps that is estimated to take the fewest cycles. Returns None if this kind of layer is not
     divided.
 
-    ``spare``: bytes of L1 that can be free during the previous layer. ``following``: bytes of the next layer's first data.
+    ``spare``: bytes of L1 that the previous layer leaves free if it uses its smallest steps. ``following``: bytes of the next layer's first data.
     """
     if not _is_tiled(layer):
         return None
@@ -432,7 +432,7 @@ def _row_choices(layer: Layer, parts: list[Part], available: int) -> list[int]:
 
 
 def _layout(layer: Layer, parts: list[Part], rows: int, is_data_last: bool = False) -> Steps:
-    """Returns the steps of a division. The data of the first part are at the start of L1, or after all other buffers."""
+    """Returns the steps for tiles of ``rows`` rows. The data of the first part are before all other buffers, or if ``is_data_last``, after them."""
     flat = layer.kind in FLAT_KINDS
     out_rows = flat_rows(layer) if flat else layer.output.rows
     tiles = math.ceil(out_rows / rows)
@@ -520,7 +520,8 @@ def estimate(layer: Layer, steps: Steps, is_early: bool, following: int) -> floa
     count = steps.tiles * len(steps.parts)
     moved = traffic(layer, steps)
     in_rows = min(layer.inputs[0].rows, (steps.tile_rows * layer.pool - 1) * layer.strides[0] + layer.extent()[0])
-    started = _CYCLES_PER_COPY * (2 + (in_rows if columns_in_l1(layer) > layer.inputs[0].columns else 1))  # by one of the cores
+    # The cycles in which one core starts the copies of a step.
+    started = _CYCLES_PER_COPY * (2 + (in_rows if columns_in_l1(layer) > layer.inputs[0].columns else 1))
     weights = 0 if is_early else moved.weights / len(steps.parts)
     first = (moved.fetched / (count if steps.by_tile or steps.tiles > 1 else 1) + weights) / _BYTES_PER_CYCLE
     work = sum(_step_cycles(layer, steps, one) for one in steps.parts) * steps.tiles
@@ -535,7 +536,7 @@ _CYCLES_PER_STEP = 250
 
 
 def _block_cycles(layer: Layer) -> int:
-    """Returns the cycles for four places and four channels."""
+    """Returns the estimated cycles of a block: four output positions and four output channels."""
     runs_y, runs_x, run = run_geometry(layer)
     return runs_y * runs_x * (_CYCLES_PER_WORD * math.ceil(run / 4) + _CYCLES_PER_RUN) + (80 if pools_sums(layer) else 130)
 

@@ -68,15 +68,15 @@ def _computed(layer: Layer, cores: int) -> float:
 
 
 def bound(layer: Layer, steps: Steps | None, cores: int) -> float:
-    """Returns a lower bound of a layer's cycles: the cores' instructions, or the bytes that the DMA moves. Data that are
-    fetched during the previous layer do not count."""
+    """Returns a lower bound of a layer's cycles: those in which the cores compute, or those in which the DMA moves data, whichever
+    are more. Data that are fetched during the previous layer do not count."""
     moved = 0 if steps is None else traffic(layer, steps).total - early_bytes(layer, steps)
     return max(_computed(layer, cores), moved / DMA_BYTES)
 
 
 def total_bound(layers: Sequence[Layer], plan: Plan, cores: int, cluster_per_soc: float) -> float:
     """Returns a lower bound of the cycles of all layers. While the cores compute a layer, the DMA can fetch the first data of the next
-    layer, if the plan permits it. If weights are in HyperRAM, the weights of the next layer come from there instead.
+    layer, if the plan permits it. If weights are in HyperRAM, the bound contains their transfer from there instead.
 
     ``cluster_per_soc``: cycles of the cluster for each cycle of the SoC.
     """
