@@ -380,10 +380,10 @@ def show_truths(rows):
     for kind in ("analytic", "equations", "reference file"):
         line(kind, [row for row in rows if any(truth["kind"] == kind for truth in row["truths"])],
              lambda row, kind=kind: all(truth["agrees"] for truth in row["truths"] if truth["kind"] == kind))
-    line("any of these", [row for row in rows if row["truths"]], lambda row: all(truth["agrees"] for truth in row["truths"]))
+    line("any of the three above", [row for row in rows if row["truths"]], lambda row: all(truth["agrees"] for truth in row["truths"]))
     judged = [row for row in rows if row["halved"].startswith(("exact", "within", "shrinks", "stays", "grows"))]
     line("halved steps", judged, lambda row: not row["halved"].startswith("grows"))
-    line("any", [row for row in rows if row["truths"] or row in judged],
+    line("any of the four", [row for row in rows if row["truths"] or row in judged],
          lambda row: all(truth["agrees"] for truth in row["truths"]) and not row["halved"].startswith("grows"))
     for row in rows:
         if row["stop_time"]:
