@@ -43,7 +43,7 @@ sanitizers() { scripts/sanitize.sh; }
 fuzz() {
   local target
   need clang++-14 || return
-  for target in $(sed -nE 's/^ *mebots_fuzz\(([a-z_]+).*/\1/p' tests/fuzz/CMakeLists.txt); do
+  for target in $(sed -nE 's/^ *mebots_fuzz\(([a-z0-9_]+).*/\1/p' tests/fuzz/CMakeLists.txt); do
     scripts/fuzz.sh "$target" 1000000000 "-max_total_time=${MEBOTS_FUZZ_SECONDS:-120}" || return 1
   done
 }
