@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Defines networks from pictures to numbers: their shapes, in floating point for training, and in integers for deployment."""
+"""Defines the networks that compute numbers from pictures, in floating point for training and in integers for deployment."""
 
 import dataclasses
 

@@ -18,8 +18,8 @@ typedef struct {
   uint8_t contrast;     // contrast of the weakest side, minus half the difference between the sides [grey levels]
 } gate_view_t;
 
-// Searches for a frame in a picture of `width` x `height` pixels, row by row from the top left. Width and height must
-// be from 64 to 4 x 162. If there is a frame, stores it in *view and returns true.
+// Searches for a gate in the picture `frame`, which contains `width` x `height` pixels, row by row from the top left.
+// `width` and `height` must be from 64 to 648. If the picture shows a gate, stores it in *view and returns true.
 bool find_gate(const uint8_t* frame, int width, int height, gate_view_t* view);
 
 #ifdef __cplusplus

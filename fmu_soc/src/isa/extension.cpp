@@ -40,7 +40,7 @@ struct Absent {
 constexpr auto kAbsent = std::to_array<Absent>({
     {"d", "the cores have no double precision: use f, and compile with -mabi=ilp32f"},
     {"g", "this is imafd, and the cores have no d: write imaf"},
-    {"e", "the cores have 32 registers: write i"},
+    {"e", "the cores have 32 registers; use i in place of e"},
     {"s", "the cores have no supervisor mode: use u, and physical memory protection"},
     {"q", "the cores have no quad precision: use f"},
     {"v", "the cores have no vectors"},

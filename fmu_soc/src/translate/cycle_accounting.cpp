@@ -149,8 +149,9 @@ void CycleAccounting::record_flow_inside(const Instruction* at) {
   take_back(at);
 }
 
-/// If cores share the first memory, writes code that claims a bank. If `word_in_ecx` is true, ecx must contain the
-/// number of the word. Otherwise eax must contain the offset of the access. The code changes ecx and rdx.
+/// Writes code that claims the bank of an access, if the memory has banks that cores share. If `word_in_ecx` is true,
+/// ecx must contain the number of the word. Otherwise eax must contain the offset of the access. The code changes ecx
+/// and rdx.
 void CycleAccounting::claim_bank(const Instruction* at, bool word_in_ecx) {
   if (a_.options.banks == nullptr) return;
   const auto count = static_cast<int>(a_.options.banks->count());

@@ -41,7 +41,7 @@ TEST(IsaString, RefusesByName) {
   EXPECT_THAT(refusal("imac"), HasSubstr("must begin with rv32imc"));
   EXPECT_THAT(refusal("rv32imafdc"), HasSubstr("'d': the cores have no double precision"));
   EXPECT_THAT(refusal("rv32gc"), HasSubstr("'g': this is imafd"));
-  EXPECT_THAT(refusal("rv32emc"), HasSubstr("'e': the cores have 32 registers: write i"));
+  EXPECT_THAT(refusal("rv32emc"), HasSubstr("'e': the cores have 32 registers; use i in place of e"));
   EXPECT_THAT(refusal("rv32imacsu"), HasSubstr("'su'"));
   EXPECT_THAT(refusal("rv32imac_s"), HasSubstr("no supervisor mode"));
   EXPECT_THAT(refusal("rv32imc_zdinx"), HasSubstr("'zdinx': the cores have no double precision"));

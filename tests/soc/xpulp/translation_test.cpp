@@ -178,7 +178,7 @@ TEST(XpulpTranslation, LoadsOperandsOfDotProductsAsInterpreted) {
   EXPECT_EQ(states[0], states[1]);
 }
 
-/// A post-increment whose access faults does not change its pointer.
+/// If the access of a post-increment load or store fails, the pointer stays unchanged.
 TEST(XpulpTranslation, FaultsInAPostIncrementAsInterpreted) {
   constexpr std::uint32_t kEnd = kXpulpRam + kXpulpRamBytes;
   for (const std::uint32_t access : {

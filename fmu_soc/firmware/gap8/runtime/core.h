@@ -14,8 +14,8 @@ extern "C" {
 
 uint32_t core_clock_hz(void);
 // Sets the fabric controller's clock as loop_set() does (runtime/chip.h). While the UART or I2C1 sends, ignores a lower
-// frequency, because the bit rate depends on this clock. The UART's interrupt comes before the end of the last byte,
-// and no interrupt follows. Therefore the clock may stay unchanged until the next sleep.
+// frequency, because the bit rate depends on this clock. Call this function again before each sleep: no interrupt
+// reports the end of a transfer by the UART.
 void core_clock_set(uint32_t hz);
 
 // Enables interrupt `number`. An enabled interrupt ends a sleep and, if interrupts are on, calls its handler.

@@ -115,7 +115,8 @@ void forbid_harm(Signals signals) {
                            SCMP_SYS(pidfd_open)}) {
       forbid(call, {is_not(0, self)});
     }
-    // These calls are always forbidden, because their arguments do not show the process of the thread or descriptor.
+    // These calls are always forbidden. Their first argument is a thread or a descriptor, and a filter cannot find out
+    // to which process it belongs.
     for (const int call : {SCMP_SYS(tkill), SCMP_SYS(pidfd_send_signal)}) forbid(call);
   }
   // Forbids access to memory and limits of other processes. The host reads its own memory for texts of callbacks.
