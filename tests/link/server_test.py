@@ -14,6 +14,7 @@ import unittest
 import unittest.mock
 
 from mebots import mission
+from mebots.errors import InputError
 from mebots.link.recording import Recorder
 from mebots.link.server import Server
 from mebots.link.session import Session, Settings
@@ -119,6 +120,16 @@ class Datagrams(LinkCase):
             session = Session(CONFIG.with_name("link_4.json"), settings, None)
             self.addCleanup(session.close)
             self.assertEqual(len(session.drones), count)
+
+    def test_a_config_whose_connected_drones_do_not_exist_is_refused(self):
+        content = json.loads(CONFIG.with_name("link_4.json").read_text())
+        content["$schema"] = str(CONFIG.with_name("schemas") / "mebots-config.schema.json")
+        content["groups"]["drones"] = {"i": [3, 4]}
+        content["instances"]["world"]["parameters"][0]["drone.count"] = 2
+        config = self.folder / "link_3_4.json"
+        config.write_text(json.dumps(content))
+        with self.assertRaisesRegex(InputError, "link_3_4.json: no drone .* exists in: world; set drone.count to at least 3"):
+            Session(config, Settings(), None)
 
     def test_a_full_recording_ends_the_run(self):
         session = Session(CONFIG, Settings(), None)

@@ -72,6 +72,7 @@ class Session:
                 mission.start()
                 _check_step(mission, os.fspath(config))
                 self._plants += [Plant(mission, one) for one in parts if one.is_in(mission)]
+            _check_drones(self._plants, parts, os.fspath(config))
         except BaseException:
             self.close()
             raise
@@ -147,6 +148,17 @@ def _offsets(config: Mapping[str, Any], parts: list[Parts], distance_m: float) -
         given = config["instances"][one.world].get("parameters", {})
         offsets[name] = given.get(name.removeprefix(f"{one.world}."), 0) + distance_m
     return offsets
+
+
+def _check_drones(plants: list[Plant], parts: list[Parts], file: str) -> None:
+    """Raises InputError if no drone exists whose rotors are connected."""
+    if not plants:
+        names = ", ".join(sorted({one.world for one in parts}))
+        least = min(one.number or 1 for one in parts)
+        raise InputError(
+            f"{file}: no drone with connected rotors exists in: {names}; set drone.count to at least {least}, or connect the rotors of drone[1]",
+            "invalid_value",
+        )
 
 
 def _check_step(mission: Mission, file: str) -> None:
