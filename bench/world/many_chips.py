@@ -65,7 +65,7 @@ def measure(mebots, config, folder):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("mebots")
-    parser.add_argument("--drones", type=int, nargs="+", default=[1, 4, 16], help="1 to 16 (default: 1 4 16)")
+    parser.add_argument("--drones", type=int, nargs="+", default=[1, 4, 16], choices=range(1, 17), metavar="N", help="1 to 16 (default: 1 4 16)")
     parser.add_argument("--seconds", type=float, default=5.0, help="simulated time (default: 5)")
     parser.add_argument("--out", type=Path, help="folder for the configs and results (default: a temporary one)")
     options = parser.parse_args()
@@ -77,17 +77,18 @@ def main():
             path = folder / f"drones_{drones}.json"
             path.write_text(json.dumps(mission_of(drones, options.seconds), indent=2))
             wall_s, cpu_s, memory_mib = measure(options.mebots, path, folder / f"drones_{drones}")
-            pace = options.seconds / wall_s
-            pictures = pictures_of(folder / f"drones_{drones}/results.csv", drones)
-            print(f"{drones:6} {pace:10.2f} {drones * pace:19.2f} {drones * options.seconds / cpu_s:29.2f} {memory_mib:5.0f} {pictures:20.0f}")
+            simulated_s, pictures = end_of(folder / f"drones_{drones}/results.csv", drones)
+            pace = simulated_s / wall_s
+            print(f"{drones:6} {pace:10.2f} {drones * pace:19.2f} {drones * simulated_s / cpu_s:29.2f} {memory_mib:5.0f} {pictures:20.0f}")
 
 
-def pictures_of(results, drones):
-    """Returns the mean number of pictures that a drone took."""
+def end_of(results, drones):
+    """Returns the simulated time of a mission, and the mean number of pictures that a drone took. The mission of one drone can stop before
+    its stop time."""
     with results.open() as file:
         names, *_, last = (line.rstrip("\n").split(",") for line in file)
     frames = [float(value) for name, value in zip(names, last, strict=True) if name.split("[", 1)[0].startswith("world") and "camera.frame_id" in name]
-    return sum(frames) / drones
+    return float(last[0]), sum(frames) / drones
 
 
 if __name__ == "__main__":
