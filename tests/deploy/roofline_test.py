@@ -11,7 +11,7 @@ from mebots.deploy import chip, roofline
 from mebots.deploy.checking import check
 from mebots.deploy.deployed import Options
 from mebots.deploy.lowering import lower
-from mebots.deploy.plan import Stream
+from mebots.deploy.plan import Stream, traffic
 
 CORES = 8
 
@@ -75,6 +75,23 @@ class Roofline(DeployCase):
         # All weights count, also those that are fetched during the previous layer.
         self.assertGreater(total, sum(one.weights for one in layers) / roofline.DMA_BYTES)
         self.assertGreater(total, sum(roofline.bound(*one, CORES) for one in zip(layers, steps, strict=True)))
+
+    def test_rows_that_no_tile_fetches_do_not_count(self):
+        maker = Maker(5, (64, 11, 300))
+        maker.output(maker.conv("x", 64, 4, (1, 1), strides=[5, 5]))
+        deployed, times = self.times(maker, "ai_deck")
+        steps = deployed.plan.steps[0]
+        self.assertEqual((steps.tiles, steps.tile_rows), (3, 1))
+        self.assertEqual(traffic(deployed.network.layers[0], steps).fetched, 3 * 300 * 64)
+        self.assertLess(roofline.bound(deployed.network.layers[0], steps, CORES), (times[1] - times[0]) * chip.CLOCK_HZ)
+
+    def test_values_that_no_kernel_covers_are_not_loaded(self):
+        maker = Maker(6, (8, 16, 16))
+        maker.output(maker.conv("x", 8, 8, (1, 1), 8, strides=[4, 4]))
+        layer = self.times(maker, "ai_deck")[0].network.layers[0]
+        values = 8 * 4 * 4
+        converted = roofline.compute_cycles(layer) - values * (1 + 0.25)  # a product and a quarter of a load for each value
+        self.assertIn(converted / values, (3.75, 7.75, 11.75))
 
     def test_weights_from_hyperram_bound_the_whole_network(self):
         stream = Stream([(0, 1000), (1000, 300), (1300, 50)])

@@ -495,9 +495,22 @@ class Traffic:
         return self.fetched + self.weights + self.stored
 
 
+def _fetched_rows(layer: Layer, steps: Steps) -> int:
+    """Returns the number of input rows that tiles need. If the stride is larger than the kernel, no tile needs the rows between two tiles."""
+    stride = layer.strides[0]
+    needed: set[int] = set()
+    for begin in range(0, layer.output.rows, steps.tile_rows):
+        rows = min(steps.tile_rows, layer.output.rows - begin) * layer.pool
+        first = begin * layer.pool * stride - layer.pads[0]
+        needed.update(range(max(first, 0), min(first + (rows - 1) * stride + layer.extent()[0], layer.inputs[0].rows)))
+    return len(needed)
+
+
 def traffic(layer: Layer, steps: Steps) -> Traffic:
     weights = sum(data_bytes(layer, one) for one in steps.parts)
     fetched = sum(one.bytes for one in layer.inputs)
+    if layer.kind in ROWS_KINDS:
+        fetched = fetched // layer.inputs[0].rows * _fetched_rows(layer, steps)
     if steps.by_tile:
         weights *= steps.tiles
     elif steps.tiles > 1 and not steps.sliced:

@@ -53,7 +53,7 @@ def compute_cycles(layer: Layer) -> float:
     places = values // layer.output.channels
     words = math.ceil(math.prod(layer.weight.shape[1:]) / DOT)
     if is_depthwise(layer):
-        loads = layer.inputs[0].size / 4  # each word is loaded at least once
+        loads = min(layer.inputs[0].size, values * math.prod(layer.kernel)) / 4  # each word that a kernel covers is loaded at least once
     else:
         loads = values * words * loads_per_dot(layer.weight.shape[0] // layer.groups, places, words)
     if layer.requantise is None:
