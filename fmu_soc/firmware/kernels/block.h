@@ -166,19 +166,15 @@ static inline __attribute__((always_inline)) void compute_bytes(block_t* block, 
 
 // Computes the sums of the first position only.
 static inline __attribute__((always_inline)) void compute_first_sums(block_t* block, int scaling) {
-  const uint8_t* patch = block->patches[0];
-  const int8_t* weights = weights_of(block->group, scaling);
+  const uint8_t* p0 = block->patches[0];
+  const int8_t* w = weights_of(block->group, scaling);
   const int32_t* bias = block->group->bias;
-  int32_t a = bias[0], b = bias[1], c = bias[2], d = bias[3];
-  for (int32_t run = block->runs; run > 0; --run, patch += block->step) {
-    __asm__ volatile(XPULP_LOOP("x0", "%[n]", "9") XPULP_LW_POST("t4", "4", "%[p]") XPULP_LW_POST("t0", "4", "%[w]")
-                         XPULP_LW_POST("t1", "4", "%[w]") XPULP_LW_POST("t2", "4", "%[w]") XPULP_LW_POST(
-                             "t3", "4", "%[w]") FOUR_PRODUCTS("%[a]", "%[b]", "%[c]", "%[d]", "t4") XPULP_LOOP_END
-                     : [a] "+r"(a), [b] "+r"(b), [c] "+r"(c), [d] "+r"(d), [w] "+r"(weights), [p] "+r"(patch)
-                     : [n] "r"(block->words)
-                     : "t0", "t1", "t2", "t3", "t4", "memory");
+  int32_t a0 = bias[0], a1 = bias[1], a2 = bias[2], a3 = bias[3];
+  for (int32_t run = block->runs; run > 0; --run, p0 += block->step) {
+    const int32_t words = block->words;
+    INTERLEAVED_ROW_OF_ONE_PATCH;
   }
-  block->sums[0] = a, block->sums[1] = b, block->sums[2] = c, block->sums[3] = d;
+  block->sums[0] = a0, block->sums[1] = a1, block->sums[2] = a2, block->sums[3] = a3;
 }
 
 #else

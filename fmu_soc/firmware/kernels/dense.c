@@ -7,24 +7,18 @@
 #include "kernels/work.h"
 
 // Multiplies `words` words of the patch by the weights of four channels, and adds the products to `sums`.
-static inline __attribute__((always_inline)) void add_words(int32_t sums[4], const uint8_t* patch,
-                                                            const int8_t* weights, int32_t words) {
-  int32_t a = sums[0], b = sums[1], c = sums[2], d = sums[3];
+static inline __attribute__((always_inline)) void add_words(int32_t sums[4], const uint8_t* p0, const int8_t* w,
+                                                            int32_t words) {
+  int32_t a0 = sums[0], a1 = sums[1], a2 = sums[2], a3 = sums[3];
 #ifdef __riscv
-  __asm__ volatile(XPULP_LOOP("x0", "%[n]", "9") XPULP_LW_POST("t4", "4", "%[p]") XPULP_LW_POST("t0", "4", "%[w]")
-                       XPULP_LW_POST("t1", "4", "%[w]") XPULP_LW_POST("t2", "4", "%[w]") XPULP_LW_POST(
-                           "t3", "4", "%[w]") XPULP_SDOTUSP_B("%[a]", "t4", "t0") XPULP_SDOTUSP_B("%[b]", "t4", "t1")
-                           XPULP_SDOTUSP_B("%[c]", "t4", "t2") XPULP_SDOTUSP_B("%[d]", "t4", "t3") XPULP_LOOP_END
-                   : [a] "+r"(a), [b] "+r"(b), [c] "+r"(c), [d] "+r"(d), [w] "+r"(weights), [p] "+r"(patch)
-                   : [n] "r"(words)
-                   : "t0", "t1", "t2", "t3", "t4", "memory");
+  INTERLEAVED_ROW_OF_ONE_PATCH;
 #else
   for (int32_t i = 0; i < 4 * words; ++i) {
-    const int8_t* w = weights + i / 4 * 16 + i % 4;
-    a += patch[i] * w[0], b += patch[i] * w[4], c += patch[i] * w[8], d += patch[i] * w[12];
+    const int8_t* of_first = w + i / 4 * 16 + i % 4;
+    a0 += p0[i] * of_first[0], a1 += p0[i] * of_first[4], a2 += p0[i] * of_first[8], a3 += p0[i] * of_first[12];
   }
 #endif
-  sums[0] = a, sums[1] = b, sums[2] = c, sums[3] = d;
+  sums[0] = a0, sums[1] = a1, sums[2] = a2, sums[3] = a3;
 }
 
 static inline __attribute__((always_inline)) void store_group(const layer_step_t* step, const layer_group_t* group,

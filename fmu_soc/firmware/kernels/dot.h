@@ -32,6 +32,17 @@
                    : [n] "r"(words)                                                                                  \
                    : "t0", "t1", "t2", "t3", "t4", "memory")
 
+// Like ROW_OF_ONE_PATCH, but the weights (w) are word by word, each for four channels.
+#define INTERLEAVED_ROW_OF_ONE_PATCH                                                                                \
+  __asm__ volatile(XPULP_LOOP("x0", "%[n]", "9") XPULP_LW_POST("t4", "4", "%[p0]") XPULP_LW_POST("t0", "4", "%[w]") \
+                       XPULP_LW_POST("t1", "4", "%[w]") XPULP_LW_POST("t2", "4", "%[w]")                            \
+                           XPULP_LW_POST("t3", "4", "%[w]") XPULP_SDOTUSP_B("%[a0]", "t4", "t0")                    \
+                               XPULP_SDOTUSP_B("%[a1]", "t4", "t1") XPULP_SDOTUSP_B("%[a2]", "t4", "t2")            \
+                                   XPULP_SDOTUSP_B("%[a3]", "t4", "t3") XPULP_LOOP_END                              \
+                   : [a0] "+r"(a0), [a1] "+r"(a1), [a2] "+r"(a2), [a3] "+r"(a3), [w] "+r"(w), [p0] "+r"(p0)         \
+                   : [n] "r"(words)                                                                                 \
+                   : "t0", "t1", "t2", "t3", "t4", "memory")
+
 static inline __attribute__((always_inline)) uint32_t pack_bytes(int32_t a, int32_t b, int32_t c, int32_t d) {
   return xpulp_packhi_b(xpulp_packlo_b(0, (uint32_t)b, (uint32_t)a), (uint32_t)d, (uint32_t)c);
 }
