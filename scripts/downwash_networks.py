@@ -35,6 +35,9 @@ class Weights(pickle.Unpickler):
 
     @staticmethod
     def tensor(numbers, offset, size, stride, *_):
+        last = offset + sum((count - 1) * step for count, step in zip(size, stride, strict=True))
+        if min(offset, *stride) < 0 or min(size, default=1) < 1 or last >= numbers.size:
+            raise pickle.UnpicklingError(f"a tensor of size {tuple(size)} exceeds its {numbers.size} stored numbers")
         return np.lib.stride_tricks.as_strided(numbers[offset:], size, [numbers.itemsize * step for step in stride]).copy()
 
     def find_class(self, module, name):
@@ -58,7 +61,7 @@ def read_layers(file: pathlib.Path):
             tensors = Weights(archive, archive.namelist()[0].split("/")[0]).load()
     except FileNotFoundError:
         sys.exit(f"{file}: there is no such file; copy it from data/models/models/output of github.com/aerorobotics/neural-swarm")
-    except (zipfile.BadZipFile, pickle.UnpicklingError, KeyError, IndexError) as error:
+    except (zipfile.BadZipFile, pickle.UnpicklingError, KeyError, IndexError, ValueError) as error:
         sys.exit(f"{file}: not a state_dict in the format of torch.save() since PyTorch 1.6 ({error}); load it with PyTorch and save it again")
     layers = []
     for name, weights in tensors.items():
@@ -67,6 +70,8 @@ def read_layers(file: pathlib.Path):
         offsets = tensors.get(name.removesuffix("weight") + "bias")
         if weights.ndim != 2 or offsets is None:
             sys.exit(f"{file}: '{name}' is not the matrix of a linear layer with a bias; only such layers can be converted")
+        if not (np.isfinite(weights).all() and np.isfinite(offsets).all()):
+            sys.exit(f"{file}: layer '{name.removesuffix('.weight')}' contains numbers that are not finite; train the network again")
         layers.append({"weights": weights.astype(float).tolist(), "offsets": offsets.astype(float).tolist()})
     if not layers:
         sys.exit(f"{file}: no linear layer, which would have the tensors NAME.weight and NAME.bias")

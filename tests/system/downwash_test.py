@@ -60,8 +60,8 @@ def stand_in_for_torch():
     return torch
 
 
-def save(torch, file, layers):
-    """Writes a state_dict as torch.save() does."""
+def save(torch, file, layers, cut=0):
+    """Writes a state_dict as torch.save() does, but without the last ``cut`` bytes of the last tensor."""
     tensors, storages = collections.OrderedDict(), []
     for number, (weights, offsets) in enumerate(layers, start=1):
         for name, numbers in (("weight", weights), ("bias", offsets)):
@@ -72,7 +72,8 @@ def save(torch, file, layers):
     with zipfile.ZipFile(file, "w") as archive:
         archive.writestr("net/data.pkl", text.getvalue())
         for storage in storages:
-            archive.writestr(f"net/data/{storage.key}", storage.numbers.tobytes())
+            content = storage.numbers.tobytes()
+            archive.writestr(f"net/data/{storage.key}", content[: len(content) - (cut if storage is storages[-1] else 0)])
 
 
 def random_networks():
@@ -146,12 +147,28 @@ def check(mebots, folder, fmu, count, networks, file):
     return json.loads((folder / "out/summary.json").read_text())["inputs"]
 
 
+def check_damaged(torch, folder, networks):
+    """The converter refuses numbers that are not finite, and tensors that are larger than the stored numbers."""
+    convert = [sys.executable, SOURCE / "scripts/downwash_networks.py", folder, folder / "damaged.json"]
+    layers = [(weights.copy(), offsets) for weights, offsets in networks["rho_S"]]
+    layers[1][0][2, 3] = np.nan
+    save(torch, folder / "rho_S.pth", layers)
+    done = subprocess.run(convert, text=True, capture_output=True, check=False)
+    assert done.returncode == 1 and "rho_S.pth: layer 'fc2' contains numbers that are not finite" in done.stderr, done.stderr
+    save(torch, folder / "rho_S.pth", networks["rho_S"], cut=4)
+    done = subprocess.run(convert, text=True, capture_output=True, check=False)
+    assert done.returncode == 1 and "a tensor of size (1,) exceeds its 0 stored numbers" in done.stderr, done.stderr
+    assert not (folder / "damaged.json").exists()
+    save(torch, folder / "rho_S.pth", networks["rho_S"])
+
+
 def main():
     mebots, torch, networks = sys.argv[1], stand_in_for_torch(), random_networks()
     with tempfile.TemporaryDirectory() as place:
         folder = pathlib.Path(place)
         for name, layers in networks.items():
             save(torch, folder / f"{name}.pth", layers)
+        check_damaged(torch, folder, networks)
         file = folder / "networks.json"
         convert = [sys.executable, SOURCE / "scripts/downwash_networks.py", folder, file]
         subprocess.run(convert, check=True, capture_output=True)
