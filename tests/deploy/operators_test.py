@@ -99,6 +99,14 @@ class Convolutions(OperatorCase):
             deployed = self.check_with_each_number_of_cores(maker)
             self.assertTrue(all(is_dense(one) for one in deployed.network.layers))
 
+    def test_a_layer_that_fills_l1_leaves_room_for_the_stacks(self):
+        for board in ("ai_deck", "gap8"):
+            maker = Maker(1, (56, 16, 25))
+            maker.output(maker.conv("x", 56, 40, (3, 3), pads=[1] * 4))
+            deployed = self.check(maker, board=board)
+            if board == "ai_deck":
+                self.assertEqual(deployed.plan.l1_bytes, (64 - 8) << 10)
+
     def test_patches_with_few_channels_at_the_sides_of_the_input(self):
         maker = Maker(16, (3, 10, 9))
         geometries = ((9, (3, 2), [1, 1], [1, 1, 2, 1]), (8, (2, 5), [2, 2], [0, 4, 1, 3]), (13, (3, 1), [1, 3], [2, 0, 0, 2]))

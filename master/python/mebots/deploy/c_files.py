@@ -126,10 +126,8 @@ void network_load(uint32_t flash) {{
 
 
 def l1_bytes(plan: Plan) -> int:
-    """Returns the size of L1 in bytes, including bytes that kernels may read after the last buffer. At least 16 KiB, which the rows of a
-    camera's picture need (app/deployed.c).
-    """
-    return max(plan.l1_bytes + 16, 16 << 10)
+    """Returns the size of the network's part of L1 in bytes. At least 16 KiB, which the rows of a camera's picture need (app/deployed.c)."""
+    return max(plan.l1_bytes, 16 << 10)
 
 
 def _factors(network: Network) -> str:

@@ -25,6 +25,7 @@ from mebots.deploy.simplify import join_flattened, simplify
 from mebots.errors import InputError
 
 CLUSTER_STACKS = 8 * 1024  # same as in link.ld.in
+GAP8_L1 = 8  # bytes of L1 that GAP8's runtime needs (gap8/runtime/cluster.c)
 PROGRAM_BYTES = 16 << 10  # code of the runtime and the kernels
 L3_BYTES = 8 << 20  # size of HyperRAM
 
@@ -57,7 +58,8 @@ def lower(model: str | os.PathLike[str], data: str | os.PathLike[str], options: 
         ranges = ranges_of(float_model, chosen, options.percentile, divisors)
         network = Quantiser(graph, scale, ranges.range_of, read.scales).network()
     board = chip.board(options.board)
-    planned = plan(network, Memory(board.l1 - CLUSTER_STACKS, board.l2, board.name), L1_RESERVED)
+    l1 = board.l1 - CLUSTER_STACKS - (GAP8_L1 if board.is_gap8 else 0)
+    planned = plan(network, Memory(l1, board.l2, board.name), L1_RESERVED)
     sources = _in_memory(network, planned, board)
     return Deployed(read, graph, network, planned, sources, pictures, scale, float_model, board)
 
