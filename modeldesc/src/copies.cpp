@@ -63,6 +63,11 @@ void read_copies(data::Object& object, Field& field, const Description& descript
   object.read_if("copies", copies, words);
   field.is_shared = copies != Copies::each;
   field.only_if_many = copies == Copies::shared_by_many;
+  if (!field.other_starts.empty() && (copies != Copies::shared || field.group)) {
+    object.node()
+        .at("start_of_many")
+        .complain(ErrorCode::invalid_value, "this is for a variable without a group and with \"copies\": \"shared\"");
+  }
 }
 
 void check_repeat(const Node& node, const Description& description) {
@@ -88,10 +93,10 @@ void make_copies(Description& description, std::size_t count) {
                             description.source, count));
   }
   Repeat& repeat = *description.repeat;
-  repeat.count = count;
+  const bool was_many = std::exchange(repeat.count, count) > 1;
   for (Field& field : description.fields) {
     if (field.only_if_many && count == 1) field.fmi_names.clear();
-    if (count > 1 && !field.starts_of_many.empty()) field.starts = field.starts_of_many;
+    if (was_many != (count > 1) && !field.other_starts.empty()) std::swap(field.starts, field.other_starts);
     if (field.name == repeat.size_source) {
       field.starts = {static_cast<std::int64_t>(count)};
       field.max = static_cast<double>(count);

@@ -343,7 +343,7 @@ class DescriptionReader {
       return data::list_of([&](const Node& value) { return start_value(value, field); })(start);
     };
     object.read("start", field.starts, starts);
-    object.read_if("start_of_many", field.starts_of_many, starts);
+    object.read_if("start_of_many", field.other_starts, starts);
   }
 
   Value start_value(const Node& node, const Field& field) const {

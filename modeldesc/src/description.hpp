@@ -50,8 +50,10 @@ struct Field {
   Causality causality = Causality::parameter;
   Variability variability = Variability::fixed;
   std::string unit;
-  std::vector<Value> starts;          // one per word of the group; empty if there are no start values
-  std::vector<Value> starts_of_many;  // replace `starts` in an FMU of several copies; may be empty
+  std::vector<Value> starts;  // one per word of the group; empty if there are no start values
+  /// The start value of an FMU of several copies; in a description of several copies, that of an FMU of one. Empty if
+  /// both FMUs have the same start value.
+  std::vector<Value> other_starts;
   std::optional<double> min;
   std::optional<double> max;
   std::optional<double> nominal;

@@ -156,6 +156,11 @@ std::string struct_prefix(const Repeat& repeat) {
   return prefix;
 }
 
+std::string_view member_of(Causality causality) {
+  if (causality == Causality::parameter) return "parameters";
+  return causality == Causality::input ? "inputs" : "outputs";
+}
+
 /// Writes the structs of a description with copies. FMUs with any number of copies can link the same model library,
 /// because these structs do not depend on the number.
 void write_repeated_structs(std::string& out, Description description) {
@@ -173,15 +178,17 @@ void write_repeated_structs(std::string& out, Description description) {
        prefix);
   line(out, "/// All variables of an instance with `kCount` copies, with their start values.");
   line(out, "template <std::size_t kCount>\nstruct VariablesOf {{");
-  line(out, "  VariablesOf() {{ parameters.{} = static_cast<std::int32_t>(kCount); }}\n",
+  line(out, "  VariablesOf() {{\n    parameters.{} = static_cast<std::int32_t>(kCount);",
        to_cpp_name(description.repeat->size_source));
+  for (Field& field : description.fields) {
+    if (field.other_starts.empty()) continue;
+    std::swap(field.starts, field.other_starts);
+    line(out, "    if (kCount > 1) {}.{} = {};", member_of(field.causality), field.cpp_name,
+         initialiser(description, field, 0));
+  }
+  line(out, "  }}\n");
   line(out, "  Parameters parameters;\n  Inputs inputs;\n  Outputs outputs;");
   line(out, "  std::array<{}Variables, kCount> {};\n}};\n", prefix, word);
-}
-
-std::string_view member_of(Causality causality) {
-  if (causality == Causality::parameter) return "parameters";
-  return causality == Causality::input ? "inputs" : "outputs";
 }
 
 std::string table_type(FieldType type) {

@@ -82,6 +82,11 @@ TEST_F(CopiesTest, SeveralCopiesCanHaveAnotherStartValue) {
                           "start_of_many": 2, "text": "t"}])",
                        1),
               HasSubstr("/variables/0/start_of_many: this needs the key 'repeat'"));
+  EXPECT_THAT(error_of(R"("repeat": {"drone": "n"}, "variables": [
+    {"name": "n", "type": "Integer", "causality": "parameter", "start": 1, "min": 1, "copies": "shared_by_many", "text": "t"},
+    {"name": "m", "causality": "parameter", "unit": "kg", "start": 1, "start_of_many": 2, "text": "t"}])",
+                       2),
+              HasSubstr("/variables/1/start_of_many: this is for a variable without a group"));
 }
 
 TEST_F(CopiesTest, EachCopyStartsWithTheValuesOfItsGroup) {

@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <string>
 
 namespace mebots::world {
 namespace {
@@ -157,7 +158,8 @@ json content_of(const DownwashNetworks& networks) {
 }
 
 DownwashNetworks read(const json& content) {
-  const auto file = std::filesystem::path(testing::TempDir()) / "neural_downwash_test.json";
+  const std::string test = testing::UnitTest::GetInstance()->current_test_info()->name();
+  const auto file = std::filesystem::path(testing::TempDir()) / ("downwash_" + test + ".json");
   std::ofstream(file) << content.dump(1);
   return scene::load_downwash_networks(file);
 }
@@ -193,7 +195,7 @@ TEST(NeuralDownwash, ErrorsNamePlaceAndNumbersThatDoNotMatch) {
     return error_of(content);
   };
   EXPECT_THAT(changed("/phi/0/weights/1", {1.0, 2.0}),
-              AllOf(HasSubstr("neural_downwash_test.json"), HasSubstr("/phi/0/weights/1"), HasSubstr("2 numbers"),
+              AllOf(HasSubstr("downwash_ErrorsName"), HasSubstr("/phi/0/weights/1"), HasSubstr("2 numbers"),
                     HasSubstr("first row has 6")));
   EXPECT_THAT(changed("/phi/0/offsets", {1.0}), AllOf(HasSubstr("/phi/0/offsets"), HasSubstr("2 rows")));
   EXPECT_THAT(changed("/rho/1/weights", {{1.0, 2.0}}), AllOf(HasSubstr("/rho/1/weights"), HasSubstr("2 inputs")));
