@@ -107,7 +107,8 @@ Json Course::apply(const Json& value, const std::string& name) const {
     if (map_->kind == ValueMap::Kind::boolean) return is_true(*target);
     if (map_->kind == ValueMap::Kind::enumeration) return *target;
     const auto number = parsed_number<std::int64_t>(*target);
-    if (!number) throw InputError(fmt::format("{}: \"{}\" is not a whole number of 64 bits", name, *target));
+    if (!number)
+      throw InputError(fmt::format("{}: \"{}\" is not a whole number that fits into 64 bits", name, *target));
     return *number;
   }
   if (factor_ == 1 && offset_ == 0) return value;
