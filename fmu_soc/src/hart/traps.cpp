@@ -29,9 +29,7 @@ bool is_call(std::uint32_t cause) {
 }  // namespace
 
 void Traps::restart() {
-  state_.fault = {};
-  state_.repeats = 0;
-  state_.returns = 0;
+  state_ = {};
 }
 
 const Instruction* Traps::leave_handler(const Instruction* at) {
@@ -145,6 +143,7 @@ bool Traps::enter_handler(std::uint32_t cause, std::uint32_t value) {
 }
 
 void Traps::visit(state::Visitor& v) {
+  if (is_call(state_.last_exception.cause)) state_.last_exception.registers = {};
   v("fault", state_.fault);
   v("last_exception", state_.last_exception);
   v("repeats", state_.repeats);

@@ -46,7 +46,7 @@ struct Fault {
 
 /// Stores the state at the last exception, which is compared with the state at the next exception at the same pc. The
 /// comparison also detects endless exceptions whose handlers leave without mret, for example by longjmp. For an ecall
-/// or ebreak, `registers` has no meaning.
+/// or ebreak, `registers` has no meaning, and is 0 in a saved state.
 struct LastException {
   std::uint32_t pc = 0;
   std::uint32_t cause = 0;

@@ -2,6 +2,7 @@
 #include "hart/csr_numbers.hpp"
 #include "isa/encoding.hpp"
 #include "machine.hpp"
+#include "support/same_state.hpp"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -228,6 +229,24 @@ TEST(Trap, WhoseHandlerLeavesWithoutMretIsNoEndlessLoop) {
   EXPECT_EQ(counting.reg(19), 1000U);
   Machine in_memory(leaves_without_mret(1000, "nop"));
   EXPECT_EQ(in_memory.run(), Stop::watch) << "all registers are the same, and memory is not";
+}
+
+TEST(Trap, ByAnEcallSavesNoRegistersOfAnEarlierException) {
+  const auto program = assemble(with_handler(".word 0\nli a0, 0\necall"));
+  Machine one(program);
+  Machine other(program);
+  other.hart().set_reg(10, 5);
+  for (auto* machine : {&one, &other}) EXPECT_EQ(machine->run(), Stop::watch);
+  EXPECT_TRUE(mebots::test::same_state(one.hart(), other.hart()));
+}
+
+TEST(Trap, IsForgottenWhenTheCoreIsReset) {
+  const auto program = assemble("_start: ebreak");
+  Machine reset(program);
+  reset.run();
+  reset.hart().reset(program.entry());
+  Machine fresh(program);
+  EXPECT_TRUE(mebots::test::same_state(reset.hart(), fresh.hart()));
 }
 
 TEST(Trap, RepeatedWithTheSameStateEndsTheCore) {
