@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <bit>
 #include <numeric>
+#include <vector>
 
 namespace mebots::soc {
 namespace {
@@ -58,22 +59,24 @@ void InstructionCache::cover(const Memory& memory) {
   for (auto& entry : entries_) entry = kNone;
   memories_.clear();
   covered_count_ = 0;
+  // A block may continue in the next memory, so lines are numbered in the order of addresses.
+  std::vector<const Region*> regions;
+  for (const auto& region : memory.regions()) regions.push_back(&region);
+  std::sort(regions.begin(), regions.end(), [](const auto* one, const auto* other) { return one->base < other->base; });
   std::uint32_t number = kNone + 1;
-  for (const auto& region : memory.regions()) {
-    for (const auto& other : memory.regions()) {
-      if (&other != &region && line_of(other.base) <= line_of(region.base + (region.size - 1)) &&
-          line_of(other.base + (other.size - 1)) >= line_of(region.base)) {
-        throw Error(
-            fmt::format("memories {} and {} share a line of {} bytes of an instruction cache; align both memories to "
-                        "the size of a line",
-                        region.name, other.name, 4 * words_per_line()));
-      }
+  for (const auto* const region : regions) {
+    const auto first_line = line_of(region->base);
+    if (!memories_.empty() && first_line < memories_.back().first_line + memories_.back().count) {
+      throw Error(
+          fmt::format("memories {} and {} share a line of {} bytes of an instruction cache; align both memories to "
+                      "the size of a line",
+                      regions[memories_.size() - 1]->name, region->name, 4 * words_per_line()));
     }
     Covered covered;
-    covered.base = region.base;
-    covered.size = region.size;
-    covered.first_line = line_of(region.base);
-    covered.count = line_of(region.base + (region.size - 1)) - covered.first_line + 1;
+    covered.base = region->base;
+    covered.size = region->size;
+    covered.first_line = first_line;
+    covered.count = line_of(region->base + (region->size - 1)) - first_line + 1;
     covered.first_number = number;
     number += covered.count;
     memories_.push_back(covered);

@@ -70,8 +70,8 @@ class InstructionCache {
     return is_covered(number) && present_[number] != 0;
   }
   /// Returns the presence byte of the line that contains this address. Returns null if cover() was called for no memory
-  /// that contains the address. The byte is 1 if the line has arrived. The presence bytes of the next lines of the same
-  /// memory follow this byte.
+  /// that contains the address. The byte is 1 if the line has arrived. The presence bytes of the next lines follow this
+  /// byte, also those of the next memory if it begins where this one ends.
   const std::uint8_t* presence(std::uint32_t address) const;
   /// Fetches the line if it is absent. Returns the number of cycles that a fetch in cycle `tick` waits.
   std::uint32_t fetch(std::uint32_t line, std::uint64_t tick);
@@ -114,7 +114,7 @@ class InstructionCache {
   static constexpr std::uint32_t kShiftPeriod = 255;
 
   /// Data that a refill changes. Translated code accesses them if the cache has one user. Lines of memories have
-  /// numbers from 1 on. Consecutive lines of a memory have consecutive numbers.
+  /// numbers from 1 on. Consecutive lines have consecutive numbers, also if the second line is in the next memory.
   struct State {
     std::uint64_t refills = 0;
     std::uint32_t shifts = 0;  // number of shifts of the shift register, modulo kShiftPeriod

@@ -96,6 +96,19 @@ TEST(InstructionCache, PrefersInvalidWaysIfTheBoardRequestsIt) {
   for (std::uint32_t line = 11; line <= 14; ++line) EXPECT_TRUE(cache.holds(line)) << line;
 }
 
+TEST(InstructionCache, HasTheLinesOfAdjacentMemoriesInTheOrderOfAddresses) {
+  // Code continues in the next memory, and translated code reads the bytes of all its lines together.
+  Memory memory;
+  memory.add("second", 0x1000, 64);
+  memory.add("other", 0x8000, 64);
+  memory.add("first", 0xf80, 128);
+  InstructionCache cache(kGap8);
+  cache.cover(memory);
+  const auto last = cache.line_of(0xff0);
+  EXPECT_EQ(cache.number_of(last + 1), cache.number_of(last) + 1);
+  EXPECT_EQ(cache.presence(0x1000), cache.presence(0xff0) + 1);
+}
+
 TEST(InstructionCache, IsEmptyAfterAFlush) {
   InstructionCache cache(kGap8);
   for (std::uint32_t line = 0; line < 256; ++line) cache.fetch(line, 0);
