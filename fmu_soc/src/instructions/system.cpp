@@ -116,9 +116,7 @@ bool emit_csr_access(Assembler& c, const Instruction* at) {
   resume_if_rare(c, at, rare);
   return true;
 }
-#endif
 
-#ifdef MEBOTS_TRANSLATES
 /// Writes code that loads the addresses of the core's CsrState into rdx and of its TrapState into rcx. If a trap may
 /// change a privilege mode, the code jumps to `rare`.
 void emit_trap_state(Assembler& c, Label& rare) {
