@@ -5,10 +5,13 @@
 #include <malloc.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <fstream>
+#include <limits>
 #include <set>
+#include <vector>
 
 namespace mebots::check {
 namespace {
@@ -334,36 +337,59 @@ Holdings holdings() {
   return now;
 }
 
+/// A resource that instances may leak.
+struct Resource {
+  const char* name;
+  std::size_t Holdings::*count;
+  std::size_t noise;
+};
+
+constexpr int kCycles = 100;
+constexpr std::array kResources = {
+    Resource{"open files", &Holdings::files, 0},
+    Resource{"threads", &Holdings::threads, 0},
+    Resource{"memory mappings", &Holdings::mappings, kCycles / 4},
+    Resource{"bytes of heap", &Holdings::heap_bytes, 4096},
+};
+
+/// Returns the smallest growth of a resource between two successive measurements. A leak grows every time, the caches
+/// of the allocator do not.
+std::size_t smallest_growth(const std::vector<Holdings>& measured, const Resource& resource) {
+  std::size_t smallest = std::numeric_limits<std::size_t>::max();
+  for (std::size_t i = 1; i < measured.size(); ++i) {
+    const auto before = measured[i - 1].*resource.count;
+    const auto after = measured[i].*resource.count;
+    smallest = std::min(smallest, after > before ? after - before : 0);
+  }
+  return smallest;
+}
+
 void check_growth(const Library& library) {
   constexpr int kWarmUp = 10;
-  constexpr int kCycles = 100;
-  constexpr std::size_t kHeapNoise = 4096;
-  const auto cycle = [&] {
-    Instance instance(library, "cycle");
-    instance.start();
-    instance.run(0, 2);
-    instance.terminate();
+  constexpr std::size_t kLeastRounds = 2;
+  constexpr std::size_t kMostRounds = 5;
+  const auto run_instances = [&](int count) {
+    for (int i = 0; i < count; ++i) {
+      Instance instance(library, "cycle");
+      instance.start();
+      instance.run(0, 2);
+      instance.terminate();
+    }
   };
-  for (int i = 0; i < kWarmUp; ++i) cycle();
-  // Uses the smaller growth of two rounds. Caches of the allocator only grow in the first round, leaks in both.
-  const auto first = holdings();
-  for (int i = 0; i < kCycles; ++i) cycle();
-  const auto second = holdings();
-  for (int i = 0; i < kCycles; ++i) cycle();
-  const auto third = holdings();
-  const auto grew = [&](const char* what, std::size_t Holdings::*count, std::size_t noise) {
-    const auto growth = [&](const Holdings& from, const Holdings& to) {
-      return to.*count > from.*count ? to.*count - from.*count : 0;
-    };
-    const auto left = std::min(growth(first, second), growth(second, third));
-    if (left > noise)
-      library.witness().error(fmt::format("{} instances were freed and leaked {} {}", kCycles, left, what),
+  run_instances(kWarmUp);
+  std::vector<Holdings> measured = {holdings()};
+  const auto grows = [&](const Resource& resource) { return smallest_growth(measured, resource) > resource.noise; };
+  while (measured.size() <= kLeastRounds ||
+         (measured.size() <= kMostRounds && std::ranges::any_of(kResources, grows))) {
+    run_instances(kCycles);
+    measured.push_back(holdings());
+  }
+  for (const auto& resource : kResources) {
+    if (grows(resource))
+      library.witness().error(fmt::format("{} instances were freed and leaked {} {}", kCycles,
+                                          smallest_growth(measured, resource), resource.name),
                               "release in fmi2FreeInstance what fmi2Instantiate and the run allocated");
-  };
-  grew("open files", &Holdings::files, 0);
-  grew("threads", &Holdings::threads, 0);
-  grew("memory mappings", &Holdings::mappings, kCycles / 4);
-  grew("bytes of heap", &Holdings::heap_bytes, kHeapNoise);
+  }
 }
 
 }  // namespace
