@@ -5,6 +5,7 @@
 #include "mebots/fmi3/functions.hpp"
 
 #include <cstring>
+#include <memory>
 
 /// Defines the functions for saved states. A saved state is a copy of a `State`. of(instance) must return a reference
 /// to a State, or to a class derived from it.
@@ -31,7 +32,7 @@
     return fmi3OK;                                                                                                  \
   }                                                                                                                 \
   fmi3Status fmi3DeserializeFMUState(fmi3Instance, const fmi3Byte bytes[], std::size_t size, fmi3FMUState* state) { \
-    auto* const saved = new State;                                                                                  \
+    auto* const saved = std::make_unique<State>().release();                                                        \
     std::memcpy(static_cast<void*>(saved), bytes, size);                                                            \
     *state = saved;                                                                                                 \
     return fmi3OK;                                                                                                  \

@@ -43,10 +43,11 @@ InstructionCache::InstructionCache(const InstructionCacheSettings& settings, Use
       entries_(settings.size / settings.line, kNone),
       arrivals_(users == Users::several ? entries_.size() : 0),
       is_alone_(users == Users::one) {
-  MEBOTS_ASSERT(!settings.invalid_ways_first || users == Users::several, "translated code asks the register alone");
+  MEBOTS_ASSERT(!settings.invalid_ways_first || users == Users::several,
+                "translated code selects ways only by the shift register");
   for (std::size_t i = 0; i < state_.way_offsets.size(); ++i) {
     const auto way = kShifted[(i + 1) % kShiftPeriod] >> kWayBit & (ways_ - 1);
-    state_.way_offsets[i] = static_cast<std::uint32_t>(way * sets() * sizeof(std::uint32_t));
+    state_.way_offsets[i] = static_cast<std::uint32_t>(std::size_t{way} * sets() * sizeof(std::uint32_t));
   }
 }
 
