@@ -218,9 +218,11 @@ std::string skeleton(const soc::BoardDescription& board, const BoardDevice& devi
   const auto kind = device.kind == "described" ? device.name : device.kind;
   std::string out = fmt::format(
       "// SPDX-License-Identifier: Apache-2.0\n"
-      "// Skeleton of the device \"{}\" of board \"{}\", made by mebots-boardgen. Yours to change: it keeps what is\n"
-      "// stored, obeys opcodes and spends its energy; what it does beside that is to be written. As a shared library\n"
-      "// (mebots_device_library) that the board names under \"libraries\" it is the kind \"{}\".\n"
+      "// Skeleton of the device \"{}\" of board \"{}\", written by mebots-boardgen. It stores values, executes "
+      "opcodes and\n"
+      "// counts their energy. Add everything else that the device does. As a shared library (mebots_device_library) "
+      "that\n"
+      "// the board names under \"libraries\", it is the device kind \"{}\".\n"
       "#include \"mebots/soc/device_kind.hpp\"\n#include \"mebots/soc/fixed_point.hpp\"\n\n"
       "#include <array>\n#include <cmath>\n#include <cstddef>\n#include <cstdint>\n#include <memory>\n#include <span>\n"
       "#include <string_view>\n\n"

@@ -240,10 +240,10 @@ def numbers(rows, texts):
     return [(*row[:texts], *map(Number, row[texts:])) for row in map(tuple, rows)]
 
 
-def on_both_chips(page, data, beside):
-    """Adds the comparison of both chips to a page. `beside` contains the results of the second chip."""
+def on_both_chips(page, data, second_data):
+    """Adds the comparison of both chips to a page. `second_data` contains the results of the second chip."""
     first, second = FIRST_CHIP, SECOND_CHIP
-    both = {first: data, second: beside}
+    both = {first: data, second: second_data}
     page.heading("The same flights on GAP8's own devices")
     page.text(f"All results above are for board {first}, which has MEbots' own devices. Its camera needs 16.7 ms for a picture, as in the "
               "paper, and starts the exposure when the picture of the co-simulation has arrived. "
@@ -255,21 +255,21 @@ def on_both_chips(page, data, beside):
         + ". These ranges are not confidence intervals.")
     for told in (chips.describe_experiments, chips.describe_decisions, chips.describe_joules):
         page.text(" ".join(told(both)))
-    if "landing" not in beside:
+    if "landing" not in second_data:
         page.text(f"Not flown with {second}: the search for the charge at which a landing must begin, which has steps of {STEP} %.")
-    bench, read = chips.of_targets(data, beside)
+    bench, read = chips.of_targets(data, second_data)
     page.table(("target", "what", "paper", first, second), bench, "Targets, bench motors")
     page.table(("target", "what", "reading", first, second), read, "Targets, other readings")
     chip_columns = ("chip [J]", "camera [J]", "chip's part of the cell's joules [%]")
     page.table(("speed [km/h]", "chip", "outcome", "at the plane [s]", "off the centre [cm]", "charge left [%]", "pictures", "latency [ms]",
                 *chip_columns), numbers(chips.of_speeds(both), 3), "Experiment B")
-    page.text(f"Experiment A: the charges used in the 24 easy flights are at most {chips.charge_apart(data, beside):.3f} % of the "
+    page.text(f"Experiment A: the charges used in the 24 easy flights are at most {chips.charge_apart(data, second_data):.3f} % of the "
               f"capacity apart. With {second}: "
-              + ", ".join(f"{count} {plain(name)}" for name, count in beside["batteries"]["outcomes"].items()) + ".")
+              + ", ".join(f"{count} {plain(name)}" for name, count in second_data["batteries"]["outcomes"].items()) + ".")
     page.table(("speed [km/h]", "chip", "outcome", "charge used [%]", "pictures", "latency [ms]", "read-out [ms]", "inference [ms]",
                 *chip_columns), numbers(chips.of_easy(both), 3), "Easy flights, standard battery")
     page.table(("motors", "battery", "flight", f"until 10 % are left, {first} [s]", f"{second} [s]", f"end, {first}", f"end, {second}"),
-               list(chips.of_lives(data, beside)), "Endurance")
+               list(chips.of_lives(data, second_data)), "Endurance")
     if "robustness" in data:
         starts_of_both(page, both)
     if "clocks" in data:
@@ -297,9 +297,9 @@ def starts_of_both(page, both):
               "pictures depend on the chip. So the rates of the two chips can be compared, but single starts cannot.")
 
 
-def write(data, out, beside=None):
+def write(data, out, second_data=None):
     """Writes report.html, REPORT.md and their figures. Returns the lines of the table of targets. `data` contains the results of
-    the first of CHIPS, `beside` those of the second."""
+    the first of CHIPS, `second_data` those of the second."""
     page = Page(out)
     page.heading("The paper's study, flown again", 1)
     page.text("See how the results of the paper compare with those of MEbots. In every flight, the simulated chip executes the drone's "
@@ -319,8 +319,8 @@ def write(data, out, beside=None):
         clocks(page, data)
     if "speeds" in data:
         joules(page, data)
-        if beside is not None and "decisions" in data:
-            on_both_chips(page, data, beside)
+        if second_data is not None and "decisions" in data:
+            on_both_chips(page, data, second_data)
         what_it_rests_on(page, data)
     page.write(out, "MEbots: the paper's study")
     return lines

@@ -43,8 +43,8 @@ struct DmaTiming {
 class ClusterDma {
  public:
   static constexpr unsigned kTransfers = 16;
-  /// Status bit that is set if a START was refused. A START is refused if all transfers are in use, if its value is not
-  /// a direction, if its addresses are not in L1 and L2, or if its size is not a positive multiple of the row.
+  /// Status bit that is set if a START was refused, because all transfers are in use or its registers are invalid. The
+  /// value must be a direction. The addresses must be in L1 and L2. The size must be a positive multiple of the row.
   static constexpr std::uint32_t kRefused = 1U << 31;
 
   ClusterDma(Memory& memory, std::size_t l1_region, const DmaTiming& timing)

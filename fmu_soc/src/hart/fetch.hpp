@@ -46,9 +46,9 @@ class Fetch {
 };
 
 /// Returns the value that a core is about to store at `address`. Executes the next instructions from `pc` with the
-/// registers `x`, without side effects. Returns nullopt if none of the next 32 instructions stores a word there, or if
-/// the core first makes another store to the same eight bytes, loads from a device, accesses a CSR, or raises an
-/// exception.
+/// registers `x`, without side effects. Returns nullopt if none of the next 32 instructions stores a word there. Also
+/// returns nullopt if one of them first stores elsewhere in the same eight bytes, loads from a device, accesses a CSR,
+/// or raises an exception.
 std::optional<std::uint32_t> upcoming_store(const Memory& memory, std::uint32_t pc, std::array<std::uint32_t, 32> x,
                                             std::uint32_t address);
 

@@ -62,8 +62,8 @@ bool is_fmu_name(std::string_view text) {
          text != "..";
 }
 
-std::vector<fs::path> fmu_folders(const fs::path& beside) {
-  std::vector<fs::path> folders = {fs::absolute(beside.empty() ? "." : beside).lexically_normal()};
+std::vector<fs::path> fmu_folders(const fs::path& config_folder) {
+  std::vector<fs::path> folders = {fs::absolute(config_folder.empty() ? "." : config_folder).lexically_normal()};
   if (const char* search_path = std::getenv("MEBOTS_FMU_PATH"); search_path != nullptr) {
     append_search_path(search_path, folders);
   }
@@ -81,7 +81,7 @@ const FmuSearch::Answer& FmuSearch::find(std::string_view text) {
 
 FmuSearch::Answer FmuSearch::look_for(std::string_view text) {
   std::error_code error;
-  const auto path = beside_ / text;  // an absolute path does not change
+  const auto path = config_folder_ / text;  // an absolute path does not change
   const auto status = fs::status(path, error);
   if (!is_fmu_name(text) || fs::is_regular_file(status)) {
     auto found = fs::exists(status) ? fs::canonical(path, error) : fs::path();
@@ -90,7 +90,7 @@ FmuSearch::Answer FmuSearch::look_for(std::string_view text) {
             fmt::format("there is no FMU at {} ({}); paths are relative to the config",
                         path.lexically_normal().string(), error.message())};
   }
-  if (!folders_) folders_ = fmu_folders(beside_);
+  if (!folders_) folders_ = fmu_folders(config_folder_);
   // names_ contains all available FMUs, except those in folders that cannot be listed.
   if (problems_ >= kFullyAnswered && !listed_.empty() && !std::ranges::binary_search(names_, text))
     return {{}, problem_of_name(text)};
@@ -110,8 +110,8 @@ std::string FmuSearch::problem_of_name(std::string_view name) {
                      name, kSuffix, listed_, problems_ < kFullyAnswered ? suggest(name, names_) + " " : "");
 }
 
-fs::path find_fmu(std::string_view text, const fs::path& beside) {
-  FmuSearch search(beside);
+fs::path find_fmu(std::string_view text, const fs::path& config_folder) {
+  FmuSearch search(config_folder);
   const auto& answer = search.find(text);
   if (!answer.problem.empty()) throw InputError(ErrorCode::fmu_not_found, answer.problem);
   return answer.path;

@@ -257,7 +257,8 @@ core: .rept 400
   EXPECT_EQ(refills, 101U) << "400 words, and the word after them";
   for (unsigned core = 0; core < cluster.cores(); ++core) {
     const auto& counters = cluster.hart(core).counters();
-    // One core fetches each line, and the others wait for it, too. No core waits longer than for refills of its own.
+    // One core fetches each line, and the others wait for the same refill. No core waits longer than for one refill of
+    // each line.
     EXPECT_GT(counters.fetch_cycles, 101U * 20U / 2) << core;
     EXPECT_LE(counters.fetch_cycles, 101U * 20U) << core;
   }

@@ -33,7 +33,7 @@ Advice expert(const world::scene::Scene& scene, const world::camera::Intrinsics&
   advice.distance_m = ahead_W.dot(to_gate_W);
   const double tangent = std::tan(0.5 * intrinsics.horizontal_field_of_view_rad);
   // Returns the offset of a point to the left of the picture's centre, relative to half the picture's width. For a
-  // point beside or behind the camera, returns an offset far outside of the picture.
+  // point that is not in front of the camera, returns an offset far outside of the picture.
   const auto offset_of = [&](const Vector3d& p_W) {
     const Vector3d p_C = camera.R_WC.transpose() * (p_W - camera.p_WC_m);
     return p_C.x() > kLeastDepth_m ? p_C.y() / p_C.x() / tangent : std::copysign(kBeside, p_C.y());

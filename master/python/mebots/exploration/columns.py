@@ -57,7 +57,7 @@ def _typed(cells: Sequence[str]) -> list[Any]:
 
 def _write_hdf5(file: pathlib.Path, tables: dict[str, dict[str, list[Any]]]) -> None:
     content = [_mebots.Table(name, _columns(table)) for name, table in tables.items()]
-    replace_with(file, lambda beside: _mebots.write_hdf5(content, beside))
+    replace_with(file, lambda unfinished: _mebots.write_hdf5(content, unfinished))
 
 
 def _columns(table: dict[str, list[Any]]) -> list[_mebots.TableColumn]:
@@ -72,4 +72,4 @@ def _write_parquet(file: pathlib.Path, table: dict[str, list[Any]]) -> None:
     import pyarrow
     import pyarrow.parquet
 
-    replace_with(file, lambda beside: pyarrow.parquet.write_table(pyarrow.table(table), beside))
+    replace_with(file, lambda unfinished: pyarrow.parquet.write_table(pyarrow.table(table), unfinished))

@@ -38,9 +38,9 @@ def count_lines(file: pathlib.Path) -> int:
 def write_whole(file: pathlib.Path, blocks: Iterable[bytes]) -> None:
     """Writes a temporary file, synchronises it with the disk, and renames it. If this fails, raises OSError and keeps the old file."""
 
-    def write(beside: pathlib.Path) -> None:
+    def write(unfinished: pathlib.Path) -> None:
         # O_EXCL prevents following a symbolic link.
-        descriptor = os.open(beside, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o666)
+        descriptor = os.open(unfinished, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o666)
         try:
             for block in blocks:
                 write_all(descriptor, block)
@@ -54,16 +54,16 @@ def write_whole(file: pathlib.Path, blocks: Iterable[bytes]) -> None:
 
 def replace_with(file: pathlib.Path, write: Callable[[pathlib.Path], None]) -> None:
     """Calls ``write`` with a temporary name in the same folder. Then synchronises the file with the disk and renames it."""
-    beside = file.with_name(file.name + ".part")
-    beside.unlink(missing_ok=True)
+    unfinished = file.with_name(file.name + ".part")
+    unfinished.unlink(missing_ok=True)
     try:
-        write(beside)
-        _sync(beside)
-        _rename(beside, file)
+        write(unfinished)
+        _sync(unfinished)
+        _rename(unfinished, file)
         _sync(file.parent)
     except BaseException:
         with contextlib.suppress(OSError):
-            beside.unlink(missing_ok=True)
+            unfinished.unlink(missing_ok=True)
         raise
 
 

@@ -47,23 +47,23 @@ def content_of(path: str | os.PathLike[str]) -> Content:
 def write_content(path: pathlib.Path, content: Content) -> None:
     """Writes a file or folder, which appears only when it is complete. Other processes may write the same content."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    beside = path.with_name(f"{path.name}.{os.getpid()}.{threading.get_ident()}")
+    unfinished = path.with_name(f"{path.name}.{os.getpid()}.{threading.get_ident()}")
     if isinstance(content, bytes):
-        beside.write_bytes(content)
-        beside.replace(path)
+        unfinished.write_bytes(content)
+        unfinished.replace(path)
         return
     for name, part in content.items():
-        (beside / name).parent.mkdir(parents=True, exist_ok=True)
-        (beside / name).write_bytes(part)
+        (unfinished / name).parent.mkdir(parents=True, exist_ok=True)
+        (unfinished / name).write_bytes(part)
     try:
-        beside.rename(path)
+        unfinished.rename(path)
     except OSError:  # damaged, or just written by another process
-        old = beside.with_name(f"{beside.name}.old")
+        old = unfinished.with_name(f"{unfinished.name}.old")
         with contextlib.suppress(OSError):
             path.rename(old)
-            beside.rename(path)
+            unfinished.rename(path)
         shutil.rmtree(old, ignore_errors=True)
-        shutil.rmtree(beside, ignore_errors=True)
+        shutil.rmtree(unfinished, ignore_errors=True)
 
 
 def stamp_of(path: str | os.PathLike[str]) -> tuple[tuple[str, int, int], ...]:

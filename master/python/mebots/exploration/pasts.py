@@ -42,13 +42,13 @@ class Pasts:
 
     def keep(self, name: str, state: bytes) -> None:
         self._remember(name, state)
-        beside = self._folder / f"{name}.{os.getpid()}"
+        unfinished = self._folder / f"{name}.{os.getpid()}"
         with contextlib.suppress(OSError):  # without this file, the state is computed again
             try:
-                beside.write_bytes(state)
-                beside.replace(self._folder / name)
+                unfinished.write_bytes(state)
+                unfinished.replace(self._folder / name)
             except OSError:
-                beside.unlink(missing_ok=True)
+                unfinished.unlink(missing_ok=True)
                 raise
             self._unseen_bytes += len(state)
             if self._unseen_bytes > _LOOK_EVERY_BYTES:

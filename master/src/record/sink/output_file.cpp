@@ -63,8 +63,8 @@ void rename_file(const std::filesystem::path& from, const std::filesystem::path&
 }
 
 void write_whole(const std::filesystem::path& path, std::string_view content, Durable durable) {
-  const std::filesystem::path beside = path.string() + ".new";
-  OutputFile file(beside, OutputFile::Mode::fresh);
+  const std::filesystem::path unfinished = path.string() + ".new";
+  OutputFile file(unfinished, OutputFile::Mode::fresh);
   try {
     file.append(content);
     if (durable == Durable::yes) file.sync();
@@ -72,7 +72,7 @@ void write_whole(const std::filesystem::path& path, std::string_view content, Du
     file.rename(path);
   } catch (const Error&) {
     std::error_code ignored;
-    std::filesystem::remove(beside, ignored);
+    std::filesystem::remove(unfinished, ignored);
     throw;
   }
   if (durable == Durable::yes) sync_folder(path.parent_path().empty() ? "." : path.parent_path());
