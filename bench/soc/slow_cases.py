@@ -14,9 +14,9 @@
 | Embench | the rate of nettle-sha256, the slowest program (embench.py), with --embench |
 
 The time of an event is that of a loop with the event minus that of the same loop without it (programs/events.c, on board virt and on
-QEMU's machine virt; the addresses on Spike are the same). The trap's handler has four instructions. All times are processor time; simulators
-and builds alternate. The tables contain the least of the measured times, and the median of the measured rates.
-With `--before`, the times of another build of mebots-soc follow. The exit code is 1 if a program's checksums differ.
+QEMU's machine virt). Spike has the same addresses. The trap's handler has four instructions. All times are processor time; simulators
+and builds alternate. Times are the least of the repeats, and rates are the median. With `--before`, the times of another build of
+mebots-soc follow. The exit code is 1 if a program's checksums differ.
 """
 
 import argparse
@@ -85,7 +85,7 @@ def measure_events(builds, sims, repeats, folder):
     loop, good = {}, True
     for name, event in EVENTS.items():
         times, right = least_times(commands, event_files(event, folder), repeats, LONG_TURNS - SHORT_TURNS,
-                                   {SPIKE: event_files(event, folder, True)})
+                                   {SPIKE: event_files(event, folder, True)} if SPIKE in commands else None)
         good = good and right
         loop = loop or times
         print_row(name, times if event == 0 else {sim: time - loop[sim] for sim, time in times.items()})

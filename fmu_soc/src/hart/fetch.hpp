@@ -22,11 +22,13 @@ class Fetch {
   bool is_cached() const { return cache_ != nullptr; }
   const InstructionCache* cache() const { return cache_; }
   void flush();
-  /// Undoes refills of translated code: see InstructionCache::undo_refills(). Returns the cycles that the core has
-  /// waited for these refills.
+  /// Undoes refills of translated code: see InstructionCache::undo_refills(). Subtracts the cycles that the core has
+  /// waited for these refills from its counter, and returns them.
   std::uint32_t undo_refills(std::uint32_t lines) {
     MEBOTS_ASSERT(is_cached());
-    return cache_->undo_refills(lines) * cache_->refill_cycles();
+    const auto cycles = cache_->undo_refills(lines) * cache_->refill_cycles();
+    execution_.counters.fetch_cycles -= cycles;
+    return cycles;
   }
   /// Fetches the cache lines of an instruction that the core reaches in active cycle `cycle`. Returns the wait cycles.
   std::uint32_t fetch_lines(const Instruction* at, std::uint64_t cycle);

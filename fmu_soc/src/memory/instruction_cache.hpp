@@ -56,7 +56,6 @@ class InstructionCache {
     MEBOTS_ASSERT(is_shared());
     refill_cycles_ = cycles;
   }
-  std::uint32_t ways() const { return ways_; }
 
   bool is_shared() const { return !arrivals_.empty(); }
   /// Returns the number of consecutive lines, from this one on, up to the line in the last set.
@@ -129,7 +128,6 @@ class InstructionCache {
     std::uint32_t group_shifts = 0;                           // `shifts` before the group
     std::array<std::uint32_t, kMostGrouped> group_evicted{};  // numbers of the lines that were replaced
   };
-  State& state() { return state_; }
   const State& state() const { return state_; }
   std::uint8_t shift_register() const;
   /// Returns the number of a line, or kNone if no memory contains the line.

@@ -188,9 +188,7 @@ void emit_fetch_group_stub(Assembler& a) {
 /// for them.
 [[gnu::sysv_abi]] std::uint64_t undo_fetch_from_code(Execution& execution, std::uint64_t /*cycle*/, std::uint32_t lines,
                                                      std::uint32_t /*unused*/) noexcept {
-  const auto cycles = execution.units->fetch.undo_refills(lines);
-  execution.counters.fetch_cycles -= cycles;
-  return cycles;
+  return execution.units->fetch.undo_refills(lines);
 }
 
 /// Calls DataPath::load_quietly(), and stores the value in HostState::loaded. Returns the wait cycles, or -1 if
@@ -258,7 +256,6 @@ void emit_undo_fetch_stub(Assembler& a) {
   a.mov(ecx, edx);
   a.and_(ecx, dword[field(offsetof(Cache::State, group_refilled))]);
   a.jz(none, kNear);
-  a.mov(rsi, ptr[rsp]);
   emit_call(a, &undo_fetch_from_code);
   a.add(r15, rax);
   a.L(none);
