@@ -147,7 +147,7 @@ void measure_objects(const scene::Scene& scene, std::size_t count) {
   const double objects_ms = median_ms([&] { text = world.camera(0)->objects_text(); });
   take_pictures(count);
   const double all_ms = median_ms([&] {
-    for (std::size_t i = 0; i < count; ++i) text.append(world.camera(i)->objects_text(), 0, 0);
+    for (std::size_t i = 0; i < count; ++i) text = world.camera(i)->objects_text();
   });
   const std::string shown = world.camera(0)->objects_text();
   std::size_t boxes = 0;

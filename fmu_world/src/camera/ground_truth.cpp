@@ -109,7 +109,7 @@ std::vector<SeenObject> GroundTruth::objects(const PoseAt& pose_at, double after
   }
   for (std::size_t i = 0; i < objects.size(); ++i) {
     const auto only = static_cast<std::uint32_t>(i);
-    if (!may_see(pose_at, after_s, only)) continue;
+    if (seen[i].visible_pixels == 0 && !may_see(pose_at, after_s, only)) continue;
     look(pose_at, after_s, only);
     for_each_pixel([](SeenObject& object, int column, int row) {
       object.box.add(column, row);

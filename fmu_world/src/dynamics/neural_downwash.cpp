@@ -33,10 +33,13 @@ NeuralDownwash::NeuralDownwash(scene::DownwashNetworks networks)
 void NeuralDownwash::begin(const RigidState& self) {
   self_ = self;
   has_neighbours_ = false;
+}
+
+void NeuralDownwash::find_alone() {
   std::fill(alone_.begin(), alone_.end(), 0.0);
   if (!networks_.phi_ground.empty()) {
-    const Eigen::Vector3d& v = self.v_WB_m_per_s;
-    const std::array inputs{-std::min(self.p_WB_m.z(), networks_.height_limit_m), -v.x(), -v.y(), -v.z()};
+    const Eigen::Vector3d& v = self_.v_WB_m_per_s;
+    const std::array inputs{-std::min(self_.p_WB_m.z(), networks_.height_limit_m), -v.x(), -v.y(), -v.z()};
     const auto outputs = outputs_of(networks_.phi_ground, inputs);
     std::copy(outputs.begin(), outputs.end(), alone_.begin());
   }
@@ -50,14 +53,16 @@ void NeuralDownwash::add(const RigidState& other) {
   for (std::size_t i = 0; i < inputs.size(); ++i) {
     if (!(std::abs(inputs[i]) < networks_.neighbour_limits[i])) return;
   }
+  if (!has_neighbours_) find_alone();
   has_neighbours_ = true;
   const auto outputs = outputs_of(networks_.phi, inputs);
   for (std::size_t i = 0; i < features_.size(); ++i) features_[i] += outputs[i];
 }
 
 double NeuralDownwash::force_W_n() {
+  if (!has_neighbours_ && !networks_.include_alone) return 0.0;
+  if (!has_neighbours_) find_alone();
   if (networks_.include_alone) return networks_.force_per_output_n * rho_of(features_);
-  if (!has_neighbours_) return 0.0;
   const double with_neighbours = rho_of(features_);
   return networks_.force_per_output_n * (with_neighbours - rho_of(alone_));
 }

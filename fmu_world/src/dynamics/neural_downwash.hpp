@@ -26,6 +26,8 @@ class NeuralDownwash {
   double force_W_n();
 
  private:
+  /// Sets `alone_` and `features_` to the features of the drone without neighbours.
+  void find_alone();
   /// Returns the outputs of a network. They are valid until the next call.
   std::span<const double> outputs_of(const scene::Network& network, std::span<const double> inputs);
   double rho_of(std::span<const double> features);
