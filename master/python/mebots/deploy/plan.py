@@ -375,8 +375,8 @@ def _is_tiled(layer: Layer) -> bool:
 
 
 def _first_bytes(layer: Layer, parts: list[Part]) -> int:
-    """Returns the bytes of L1 that the weights or tables of the largest part need."""
-    data = max(data_bytes(layer, one) for one in parts)
+    """Returns the bytes of L1 that the weights or tables of a part need. No part is larger than the first one."""
+    data = data_bytes(layer, parts[0])
     return align(data + SLACK) if data else 0
 
 
@@ -446,7 +446,7 @@ def _layout(layer: Layer, parts: list[Part], rows: int, is_data_last: bool = Fal
         out_rows_in_l1 = rows if not is_depthwise_3x3(layer) else math.ceil(rows / rows_per_pass(layer)) * rows_per_pass(layer)
         out_size = out_rows_in_l1 * layer.output.columns * max(one.channels for one in parts) * layer.output.element
     unpooled = out_size * layer.pool**2 if layer.pool > 1 and not pools_sums(layer) else 0
-    data = max(data_bytes(layer, one) for one in parts)
+    data = data_bytes(layer, parts[0])  # no part is larger
     several = tiles > 1 or (sliced and len(parts) > 1)
     at = _first_bytes(layer, parts) if not is_data_last else 0
     first_data = 0
