@@ -8,14 +8,12 @@ Usage: mcap_check.py MEBOTS RUN_DIR OUT.mcap
 import base64
 import csv
 import math
-import os
-import subprocess
 import sys
 
-from mcap_messages import messages_of
+from mcap_messages import exported
 
 mebots, run, out = sys.argv[1:]
-subprocess.run([mebots, "report", run, "--out", out + ".html", "--mcap", out], check=True, env=os.environ | {"MEBOTS_PYTHON": sys.executable})
+messages = exported(mebots, run, out)
 with open(f"{run}/results.csv", newline="") as file:
     head, *rows = csv.reader(file)
 
@@ -24,8 +22,6 @@ def column(name):
     place = next(i for i, title in enumerate(head) if title.startswith(f"{name} ["))
     return [float(row[place]) for row in rows]
 
-
-messages = messages_of(out)
 
 for topic, of_topic in messages.items():
     times = [time for _, time, _ in of_topic]

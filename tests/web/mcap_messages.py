@@ -1,10 +1,20 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Reads MCAP files with MCAP's own package."""
+"""Exports runs as MCAP files, and reads them with MCAP's own package."""
 
 import collections
 import json
+import os
+import subprocess
+import sys
 
 from mcap.reader import make_reader
+
+
+def exported(mebots, run, file):
+    """Exports the run in a folder as the MCAP file `file`. Returns its messages as messages_of() does."""
+    command = [mebots, "report", run, "--out", file + ".html", "--mcap", file]
+    subprocess.run(command, check=True, env=os.environ | {"MEBOTS_PYTHON": sys.executable})
+    return messages_of(file)
 
 
 def messages_of(file):

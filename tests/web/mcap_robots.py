@@ -8,17 +8,14 @@ Usage: mcap_robots.py MEBOTS RUN_DIR OUT.mcap
 import collections
 import csv
 import math
-import os
-import subprocess
 import sys
 
-from mcap_messages import messages_of
+from mcap_messages import exported
 
 ROBOTS = (1, 2)
 
 mebots, run, out = sys.argv[1:]
-subprocess.run([mebots, "report", run, "--out", out + ".html", "--mcap", out], check=True, env=os.environ | {"MEBOTS_PYTHON": sys.executable})
-messages = messages_of(out)
+messages = exported(mebots, run, out)
 with open(f"{run}/results.csv", newline="") as file:
     head, *rows = csv.reader(file)
 columns = {title.split(" [")[0]: [float(row[i]) for row in rows] for i, title in enumerate(head)}

@@ -214,12 +214,13 @@ export class Stage {
     this.chosenColour = index;
     this.legend.replaceChildren();
     if (!chosen || this.flights.length !== 1) {
-      const numbers = this.hasManyBodies ? this.numbersOfNames() : null;
+      const isMany = this.hasManyBodies;
+      const numbers = isMany ? this.numbersOfNames() : null;
       if (numbers) this.legend.append("follow:");
       this.legend.append(...this.flights.map(({ name }, i) => {
         const swatch = element("i", { class: "swatch" });
         swatch.style.background = colour(i);
-        return this.hasManyBodies ? element("button", { class: "value", title: `Follow ${name}`, onclick: () => this.choose(i) }, swatch, numbers?.[i] ?? name)
+        return isMany ? element("button", { class: "value", title: `Follow ${name}`, onclick: () => this.choose(i) }, swatch, numbers?.[i] ?? name)
           : element("span", { class: "value" }, swatch, name);
       }));
       return;
